@@ -1,0 +1,13 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "pipeline/sample/result.hpp"
+
+namespace gimbal {
+
+/// Each function adds one subcommand to the command line. Its callback does the whole job and leaves
+/// its result in `outcome`, which outlives the app.
+using CommandOutcome = Result<void>;
+
+}  // namespace gimbal

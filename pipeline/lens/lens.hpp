@@ -1,0 +1,33 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "pipeline/sample/calibration.hpp"
+#include "pipeline/sample/result.hpp"
+
+namespace gimbal {
+
+/// A calibrated lens: between rays in camera axes (x right, y down, z forward) and pixels.
+class Lens {
+ public:
+  /// Refuses K without positive focal lengths, with skew or with values that are not finite, and a
+  /// number of distortion coefficients that the model does not have.
+  [[nodiscard]] static Result<Lens> create(LensParameters parameters);
+
+  /// Pixel of a ray, any length; nothing where the model does not reach (behind the camera, beyond
+  /// the radius where distortion folds back).
+  [[nodiscard]] std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& ray_camera) const;
+
+  /// Unit ray of a pixel, exact to 1e-9; nothing where no ray leads to it.
+  [[nodiscard]] std::optional<Eigen::Vector3d> unproject(const Eigen::Vector2d& pixel) const;
+
+  [[nodiscard]] const LensParameters& parameters() const { return parameters_; }
+
+ private:
+  explicit Lens(LensParameters parameters);
+
+  LensParameters parameters_;
+};
+
+}  // namespace gimbal

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <memory>
+#include <optional>
+
+#include "pipeline/sample/video_frame.hpp"
+
+namespace gimbal {
+
+/// The real camera at a frame's reference row.
+struct FramePose {
+  FrameStamp stamp;
+  Eigen::Quaterniond q_world_camera;
+};
+
+/// Smooths the camera's poses, frame by frame. With a latency of k frames the pose of frame i comes
+/// out once frame i+k went in; with no latency given, everything comes out after `finish`.
+class CameraPath {
+ public:
+  CameraPath() = default;
+  CameraPath(const CameraPath&) = delete;
+  CameraPath& operator=(const CameraPath&) = delete;
+  virtual ~CameraPath() = default;
+
+  virtual void push(const FramePose& pose) = 0;
+
+  /// No more poses come: what is held is released by `pop`.
+  virtual void finish() = 0;
+
+  /// The next smoothed pose, in order, once enough of the future is known.
+  [[nodiscard]] virtual std::optional<FramePose> pop() = 0;
+};
+
+/// Frames of future that a path may use; none means all of them.
+using PathLatency = std::optional<std::size_t>;
+
+/// The thesis' low-pass (2.33, 2.34): Hann window of `window` frames, odd; 1 leaves poses as they are.
+[[nodiscard]] std::unique_ptr<CameraPath> make_hann_path(int window, PathLatency latency);
+
+struct AdaptiveHannParameters {
+  int wide_window = 99;    ///< frames, odd, while the camera is held (2.3.3)
+  int narrow_window = 29;  ///< frames, odd, in a fast pan
+};
+
+/// The thesis' adaptive low-pass: a CUSUM test on the orientation change slides the window between
+/// the wide and the narrow one.
+[[nodiscard]] std::unique_ptr<CameraPath> make_adaptive_hann_path(
+    const AdaptiveHannParameters& parameters, PathLatency latency);
+
+}  // namespace gimbal

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "pipeline/sample/sensor_time.hpp"
+
+namespace gimbal {
+
+struct ImageSize {
+  int width = 0;
+  int height = 0;
+  friend bool operator==(const ImageSize&, const ImageSize&) = default;
+};
+
+/// Size of the interleaved half-resolution chroma plane of NV12; odd sizes round up.
+constexpr ImageSize chroma_size(ImageSize luma) {
+  return {(luma.width + 1) / 2, (luma.height + 1) / 2};
+}
+
+/// When a frame was taken, by the camera's clock and reference instant.
+struct FrameStamp {
+  std::int64_t index = 0;
+  SensorTime time;
+  std::optional<SensorDuration> exposure;
+};
+
+/// Where a chroma sample lies between the luma samples of its 2x2 block.
+enum class ChromaSiting : std::uint8_t {
+  left,    ///< on the left luma column, between the rows (MPEG-2, H.264)
+  center,  ///< in the middle of the block (JPEG)
+};
+
+/// What is carried through untouched.
+struct ColorInfo {
+  /// GStreamer's caps notation, such as "bt709"; empty if unknown.
+  std::string colorimetry;
+  ChromaSiting chroma_siting = ChromaSiting::left;
+};
+
+/// One plane of a picture; rows are `stride_bytes` apart.
+struct ConstPlane {
+  const std::uint8_t* data = nullptr;
+  std::ptrdiff_t stride_bytes = 0;
+};
+
+struct MutablePlane {
+  std::uint8_t* data = nullptr;
+  std::ptrdiff_t stride_bytes = 0;
+};
+
+/// A picture in NV12: plane 0 is luma, size.height rows of size.width bytes; plane 1 is interleaved
+/// U and V, chroma_size(size) pairs. Read only and cheap to copy: copies share the storage.
+struct VideoFrame {
+  FrameStamp stamp;
+  ImageSize size;
+  ColorInfo color;
+  std::array<ConstPlane, 2> planes;
+  std::shared_ptr<const void> storage;  ///< keeps the planes' memory alive
+};
+
+/// Picture memory that its maker still writes; `publish` makes a frame of it.
+class Nv12Buffer {
+ public:
+  /// Contents are not initialised. Strides are multiples of 64 bytes.
+  explicit Nv12Buffer(ImageSize size);
+
+  [[nodiscard]] ImageSize size() const { return size_; }
+  [[nodiscard]] MutablePlane luma() const { return planes_[0]; }
+  [[nodiscard]] MutablePlane chroma() const { return planes_[1]; }
+
+  /// Hands the picture over; the buffer must not be written afterwards.
+  [[nodiscard]] VideoFrame publish(FrameStamp stamp, ColorInfo color) &&;
+
+ private:
+  ImageSize size_;
+  std::array<MutablePlane, 2> planes_;
+  std::shared_ptr<std::uint8_t[]> storage_;
+};
+
+}  // namespace gimbal

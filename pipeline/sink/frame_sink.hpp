@@ -1,0 +1,48 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "pipeline/sample/result.hpp"
+#include "pipeline/sample/video_frame.hpp"
+
+namespace gimbal {
+
+/// Where pictures go.
+class FrameSink {
+ public:
+  FrameSink() = default;
+  FrameSink(const FrameSink&) = delete;
+  FrameSink& operator=(const FrameSink&) = delete;
+  virtual ~FrameSink() = default;
+
+  /// Waits while the consumer is behind. A frame's presentation time is its stamp less the first
+  /// frame's. Stamps must rise.
+  [[nodiscard]] virtual Result<void> write(const VideoFrame& frame) = 0;
+
+  /// Ends the stream properly and waits until everything is written.
+  [[nodiscard]] virtual Result<void> finish() = 0;
+};
+
+/// The pictures that a sink will get.
+struct SinkFormat {
+  ImageSize size;
+  double fps = 0;  ///< nominal; capture times set the pace
+  ColorInfo color;
+};
+
+/// Audio to be carried over from a recording, unchanged.
+struct AudioTrack {
+  std::filesystem::path file;
+  SensorDuration offset{};  ///< added to the file's stamps: what is at 0 in the output is at -offset
+};
+
+/// `out`: a path ending in .mp4, .mkv or .y4m; "-" for y4m on standard output; or, with " ! " in it,
+/// a GStreamer pipeline that the pictures are fed into. Audio goes into .mp4 and .mkv only.
+[[nodiscard]] Result<std::unique_ptr<FrameSink>> open_sink(const std::string& out,
+                                                           const SinkFormat& format,
+                                                           const std::optional<AudioTrack>& audio);
+
+}  // namespace gimbal

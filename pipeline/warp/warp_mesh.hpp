@@ -1,0 +1,67 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "pipeline/lens/lens.hpp"
+#include "pipeline/sample/video_frame.hpp"
+#include "pipeline/sample/virtual_camera.hpp"
+
+namespace gimbal {
+
+/// What is drawn where the virtual camera sees past the edge of the frame.
+enum class Border : std::uint8_t {
+  crop,    ///< nothing: the path and the zoom keep the view inside; what remains is black
+  extend,  ///< the outermost pixels, stretched (the thesis' mesh larger than the frame)
+  mirror,  ///< the picture mirrored at its edge
+  black,
+};
+
+/// Where a point of the source lies in the output. Both in pixels, whole at pixel centres.
+struct MeshVertex {
+  Eigen::Vector2f source_px;
+  Eigen::Vector2f output_px;
+};
+
+/// A grid of vertices, row by row, drawn as triangles; between vertices the map is affine.
+struct WarpMesh {
+  ImageSize source_size;
+  ImageSize output_size;
+  Border border = Border::crop;
+  int vertex_columns = 0;
+  int vertex_rows = 0;
+  std::vector<MeshVertex> vertices;
+  /// Three a triangle. Triangles that reach behind the virtual camera are left out.
+  std::vector<std::uint16_t> triangles;
+};
+
+struct MeshDensity {
+  int columns = 20;
+  int rows = 20;
+};
+
+/// Orientation of the camera while the given line of the frame was exposed; see RowTiming.
+using LineOrientation = std::function<Eigen::Quaterniond(double line)>;
+
+/// Thesis (2.30)-(2.32) with the orientation of every row: each vertex of a grid over the source is
+/// turned from the camera as it was at the vertex's own line, `q_world_camera(line)`, to the virtual
+/// camera. With extend or mirror the grid is larger than the frame.
+[[nodiscard]] WarpMesh build_warp_mesh(const Lens& lens, ImageSize source_size,
+                                       ReadoutDirection direction,
+                                       const LineOrientation& q_world_camera,
+                                       const VirtualCamera& camera, ImageSize output_size,
+                                       Border border, MeshDensity density);
+
+/// Pixels of the output whose centre lies outside of the source frame.
+[[nodiscard]] std::int64_t count_border_pixels(const WarpMesh& mesh);
+
+/// Where the centre of an output pixel comes from, by the mesh's own triangles; nothing if it is not
+/// covered. The definition that warpers are tested against.
+[[nodiscard]] std::optional<Eigen::Vector2d> source_of(const WarpMesh& mesh,
+                                                       const Eigen::Vector2d& output_px);
+
+}  // namespace gimbal
