@@ -2,7 +2,11 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <variant>
 
+#include "pipeline/lens/brown_model.hpp"
+#include "pipeline/lens/fisheye_model.hpp"
+#include "pipeline/lens/pinhole_model.hpp"
 #include "pipeline/sample/calibration.hpp"
 #include "pipeline/sample/result.hpp"
 
@@ -12,11 +16,11 @@ namespace gimbal {
 class Lens {
  public:
   /// Refuses K without positive focal lengths, with skew or with values that are not finite, and a
-  /// number of distortion coefficients that the model does not have.
+  /// number of distortion coefficients that the model does not have (none is always allowed).
   [[nodiscard]] static Result<Lens> create(LensParameters parameters);
 
   /// Pixel of a ray, any length; nothing where the model does not reach (behind the camera, beyond
-  /// the radius where distortion folds back).
+  /// the radius where distortion folds back; a fisheye lens may see more than 90° off its axis).
   [[nodiscard]] std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& ray_camera) const;
 
   /// Unit ray of a pixel, exact to 1e-9; nothing where no ray leads to it.
@@ -25,9 +29,13 @@ class Lens {
   [[nodiscard]] const LensParameters& parameters() const { return parameters_; }
 
  private:
+  using Model = std::variant<PinholeModel, BrownModel, FisheyeModel>;
+
   explicit Lens(LensParameters parameters);
+  [[nodiscard]] static Model make_model(const LensParameters& parameters);
 
   LensParameters parameters_;
+  Model model_;
 };
 
 }  // namespace gimbal
