@@ -1,0 +1,183 @@
+#include "drivers/replay/session_checks.hpp"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace gimbal {
+
+namespace {
+
+constexpr double kImuGapInMedians = 5.0;
+constexpr double kFrameGapInMedians = 1.4;
+
+struct TimeRange {
+  SensorTime first;
+  SensorTime last;
+};
+
+template <typename Sample>
+TimeRange range_of(const std::vector<Sample>& samples) {
+  return {samples.front().time, samples.back().time};
+}
+
+std::string as_text(TimeRange range) {
+  return fmt::format("{:.3f} to {:.3f} s", seconds_since_epoch(range.first),
+                     seconds_since_epoch(range.last));
+}
+
+template <typename Sample>
+Result<void> prepare(StampedLog<Sample>& log, PlausibleStep plausible, double gap_in_medians,
+                     std::vector<std::string>& warnings) {
+  keep_rising_stamps(log, warnings);
+  if (Result<void> seconds = check_stamps_are_seconds(log, plausible); !seconds) return seconds;
+  report_gaps(log, gap_in_medians, warnings);
+  return {};
+}
+
+/// When the frames were exposed, on the IMU's clock: their stamps moved by the time offset, and the
+/// readout of the last one.
+TimeRange exposure_range(const Session& session) {
+  TimeRange range = range_of(session.frames);
+  const std::optional<CameraCalibration>& camera =
+      session.camera ? session.camera : session.camera_without_lens;
+  if (!camera) return range;
+  return {range.first + camera->time_offset, range.last + camera->time_offset + camera->readout};
+}
+
+std::int64_t count_frames_outside(const Session& session, TimeRange gyro) {
+  const SensorDuration offset = exposure_range(session).first - session.frames.front().time;
+  return std::count_if(session.frames.begin(), session.frames.end(), [&](const FrameStamp& stamp) {
+    return stamp.time + offset < gyro.first || stamp.time + offset > gyro.last;
+  });
+}
+
+Result<void> check_gyro_covers_frames(Session& session) {
+  const TimeRange gyro = range_of(session.gyro);
+  const TimeRange frames = exposure_range(session);
+  if (gyro.last < frames.first || gyro.first > frames.last) {
+    return bad_input(fmt::format(
+        "{}: gyro ({}) and frames ({}) have no time in common; are both on one clock, and is "
+        "camera.time_offset_s right?",
+        session.folder.string(), as_text(gyro), as_text(frames)));
+  }
+  const double late_s = to_seconds(gyro.first - frames.first);
+  const double early_s = to_seconds(frames.last - gyro.last);
+  const std::int64_t outside = count_frames_outside(session, gyro);
+  if (late_s > 0) {
+    session.warnings.push_back(fmt::format("gyro starts {:.3f} s after the first frame", late_s));
+  }
+  if (early_s > 0) {
+    session.warnings.push_back(
+        fmt::format("gyro ends {:.3f} s before the last frame's readout does", early_s));
+  }
+  if (outside > 0) {
+    session.warnings.push_back(fmt::format(
+        "{} of {} frames were taken while there was no gyro: their orientation is a guess", outside,
+        session.frames.size()));
+  }
+  return {};
+}
+
+void check_accel_covers_gyro(Session& session) {
+  const TimeRange gyro = range_of(session.gyro);
+  const TimeRange accel = range_of(session.accel);
+  constexpr double kWorthSaying_s = 0.1;
+  const double late_s = to_seconds(accel.first - gyro.first);
+  const double early_s = to_seconds(gyro.last - accel.last);
+  if (late_s > kWorthSaying_s) {
+    session.warnings.push_back(fmt::format("accelerometer starts {:.3f} s after the gyro", late_s));
+  }
+  if (early_s > kWorthSaying_s) {
+    session.warnings.push_back(fmt::format("accelerometer ends {:.3f} s before the gyro", early_s));
+  }
+}
+
+double median_magnitude_m_s2(const std::vector<AccelSample>& accel) {
+  std::vector<double> magnitudes;
+  magnitudes.reserve(accel.size());
+  for (const AccelSample& sample : accel) magnitudes.push_back(sample.accel_m_s2.norm());
+  const auto middle = magnitudes.begin() + std::ssize(magnitudes) / 2;
+  std::nth_element(magnitudes.begin(), middle, magnitudes.end());
+  return *middle;
+}
+
+/// Whoever holds a camera feels gravity most of the time: other magnitudes are another unit.
+void check_accel_unit(Session& session) {
+  const double magnitude = median_magnitude_m_s2(session.accel);
+  if (magnitude > 5 && magnitude < 20) return;
+  session.warnings.push_back(fmt::format(
+      "accel.csv: median magnitude is {:.3g} m/s2 where gravity has 9.81; is imu.accel_unit right?",
+      magnitude));
+}
+
+void check_gyro_unit(Session& session) {
+  constexpr double kFastest_rad_s = 100;  // chips end at 4000 deg/s = 70 rad/s
+  const bool too_fast = std::any_of(
+      session.gyro.begin(), session.gyro.end(), [](const GyroSample& sample) {
+        return sample.gyro_rad_s.cwiseAbs().maxCoeff() > kFastest_rad_s;
+      });
+  if (!too_fast) return;
+  session.warnings.push_back(
+      fmt::format("gyro.csv: rates above {} rad/s, faster than gyros measure; are they in deg/s?",
+                  kFastest_rad_s));
+}
+
+Result<void> adopt_gyro(GyroLog log, Session& session) {
+  if (log.samples.empty()) {
+    session.warnings.emplace_back("no gyro.csv: only plain pass-through is possible");
+    return {};
+  }
+  Result<void> prepared = prepare(log, kPlausibleImuStep, kImuGapInMedians, session.warnings);
+  if (!prepared) return prepared;
+  if (log.samples.size() < 2) {
+    return bad_input(fmt::format("{}: only one usable sample", log.file.string()));
+  }
+  session.gyro = std::move(log.samples);
+  check_gyro_unit(session);
+  return {};
+}
+
+Result<void> adopt_accel(AccelLog log, Session& session) {
+  if (log.samples.empty()) return {};
+  Result<void> prepared = prepare(log, kPlausibleImuStep, kImuGapInMedians, session.warnings);
+  if (!prepared) return prepared;
+  session.accel = std::move(log.samples);
+  check_accel_unit(session);
+  if (!session.gyro.empty()) check_accel_covers_gyro(session);
+  return {};
+}
+
+/// A picture's place in the video has to rise with its stamp.
+Result<void> check_indices_rise(const FrameLog& log) {
+  for (std::size_t i = 0; i < log.samples.size(); ++i) {
+    const std::int64_t index = log.samples[i].index;
+    if (index >= 0 && (i == 0 || index > log.samples[i - 1].index)) continue;
+    return bad_input(
+        fmt::format("{}, line {}: index {} does not rise; it is the picture's place in the video, "
+                    "from 0",
+                    log.file.string(), log.lines[i], index));
+  }
+  return {};
+}
+
+Result<void> adopt_frames(FrameLog log, Session& session) {
+  if (log.samples.empty()) return {};
+  if (Result<void> rising = check_indices_rise(log); !rising) return rising;
+  Result<void> prepared = prepare(log, kPlausibleFrameStep, kFrameGapInMedians, session.warnings);
+  if (!prepared) return prepared;
+  session.frames = std::move(log.samples);
+  if (!session.gyro.empty()) return check_gyro_covers_frames(session);
+  return {};
+}
+
+}  // namespace
+
+Result<void> adopt_logs(SessionLogs logs, Session& session) {
+  if (Result<void> gyro = adopt_gyro(std::move(logs.gyro), session); !gyro) return gyro;
+  if (Result<void> accel = adopt_accel(std::move(logs.accel), session); !accel) return accel;
+  return adopt_frames(std::move(logs.frames), session);
+}
+
+}  // namespace gimbal

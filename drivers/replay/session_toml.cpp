@@ -1,0 +1,285 @@
+#include "drivers/replay/session_toml.hpp"
+
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <string_view>
+#include <utility>
+
+#include "drivers/replay/decimal_time.hpp"
+#include "drivers/replay/toml_reader.hpp"
+
+namespace gimbal {
+
+namespace {
+
+constexpr double kStandardGravity_m_s2 = 9.80665;
+constexpr int kLargestSide_px = 65535;
+constexpr double kLongestReadout_s = 10.0;
+/// Offsets between the epochs of two clocks can be decades; more does not fit.
+constexpr double kLongestOffset_s = 4e9;
+
+constexpr std::array<NamedValue<LensModel>, 3> kLensModels{{{"pinhole", LensModel::pinhole},
+                                                            {"brown", LensModel::brown},
+                                                            {"fisheye", LensModel::fisheye}}};
+constexpr std::array<NamedValue<ReadoutDirection>, 4> kDirections{
+    {{"top-down", ReadoutDirection::top_down},
+     {"bottom-up", ReadoutDirection::bottom_up},
+     {"left-right", ReadoutDirection::left_right},
+     {"right-left", ReadoutDirection::right_left}}};
+constexpr std::array<NamedValue<TimestampReference>, 3> kTimestamps{
+    {{"readout-start", TimestampReference::readout_start},
+     {"exposure-start", TimestampReference::exposure_start},
+     {"readout-end", TimestampReference::readout_end}}};
+constexpr std::array<NamedValue<double>, 2> kAccelUnits{
+    {{"m/s2", 1.0}, {"g", kStandardGravity_m_s2}}};
+/// CoreMotion's numbers have the sign of gravity: face up reads (0, 0, -1).
+constexpr std::array<NamedValue<double>, 2> kAccelSigns{
+    {{"specific-force", 1.0}, {"core-motion", -1.0}}};
+
+template <typename T, std::size_t n>
+std::string_view name_of(const std::array<NamedValue<T>, n>& names, T value) {
+  const auto found = std::find_if(names.begin(), names.end(),
+                                  [&](const NamedValue<T>& named) { return named.value == value; });
+  return found->name;
+}
+
+std::optional<SensorDuration> read_duration(TomlTable& table, std::string_view key, double least_s,
+                                            double most_s) {
+  const std::optional<double> seconds = table.number(key);
+  if (!seconds) return std::nullopt;
+  if (*seconds < least_s || *seconds > most_s) {
+    table.refuse(key, fmt::format("is {}; {} to {} seconds are allowed", *seconds, least_s, most_s));
+    return std::nullopt;
+  }
+  return duration_from_seconds(*seconds);
+}
+
+/// K, if it is there and good.
+std::optional<Eigen::Matrix3d> read_K(TomlTable& table) {
+  const std::optional<Eigen::Matrix3d> K = table.matrix3("K");
+  if (!K) return std::nullopt;
+  if ((*K)(0, 0) <= 0 || (*K)(1, 1) <= 0) {
+    table.refuse("K", fmt::format("has focal lengths {} and {}; both must be above 0", (*K)(0, 0),
+                                  (*K)(1, 1)));
+  }
+  if ((*K)(0, 1) != 0 || (*K)(1, 0) != 0 || K->row(2) != Eigen::RowVector3d(0, 0, 1)) {
+    table.refuse("K", "is not of the form [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]");
+  }
+  return K;
+}
+
+bool has_coefficients_for(LensModel model, std::size_t count) {
+  switch (model) {
+    case LensModel::pinhole:
+      return count == 0;
+    case LensModel::brown:
+      return count == 0 || count == 4 || count == 5 || count == 8;
+    case LensModel::fisheye:
+      return count == 0 || count == 4;
+  }
+  return false;
+}
+
+void read_distortion(TomlTable& table, LensParameters& lens) {
+  lens.distortion = table.numbers("distortion").value_or(std::vector<double>{});
+  if (has_coefficients_for(lens.model, lens.distortion.size())) return;
+  table.refuse("distortion",
+               fmt::format("has {} numbers; a pinhole has none, brown 4, 5 or 8, fisheye 4",
+                           lens.distortion.size()));
+}
+
+/// All of [camera] but K, whose presence decides whether the lens is calibrated.
+CameraCalibration read_camera_without_K(TomlTable& table) {
+  CameraCalibration camera;
+  camera.size.width = table.integer("width", 1, kLargestSide_px).value_or(0);
+  camera.size.height = table.integer("height", 1, kLargestSide_px).value_or(0);
+  camera.fps = table.number("fps").value_or(0);
+  if (camera.fps < 0 || camera.fps > 1e5) table.refuse("fps", "must be between 0 and 100000");
+  camera.lens.model = table.choice<LensModel>("model", kLensModels).value_or(LensModel::pinhole);
+  read_distortion(table, camera.lens);
+  camera.readout = read_duration(table, "readout_s", 0, kLongestReadout_s).value_or(SensorDuration{});
+  camera.readout_direction = table.choice<ReadoutDirection>("readout_direction", kDirections)
+                                 .value_or(ReadoutDirection::top_down);
+  camera.time_offset = read_duration(table, "time_offset_s", -kLongestOffset_s, kLongestOffset_s)
+                           .value_or(SensorDuration{});
+  camera.timestamp = table.choice<TimestampReference>("timestamp", kTimestamps)
+                         .value_or(TimestampReference::readout_start);
+  return camera;
+}
+
+Result<void> read_camera(TomlTable& table, SessionToml& out) {
+  CameraCalibration camera = read_camera_without_K(table);
+  const std::optional<Eigen::Matrix3d> K = read_K(table);
+  if (K && (camera.size.width == 0 || camera.size.height == 0)) {
+    table.refuse("K", "needs width and height, the size of picture that it is for");
+  }
+  if (table.error()) return tl::unexpected(*table.error());
+  if (camera.readout == SensorDuration{}) {
+    out.warnings.emplace_back(
+        "session.toml: camera.readout_s is 0 or not given: rows count as exposed at once "
+        "(gimbalctl calibrate readout finds it)");
+  }
+  if (K) {
+    camera.lens.K = *K;
+    out.session.camera = std::move(camera);
+  } else {
+    out.warnings.emplace_back(
+        "session.toml: camera.K is not given: the lens is not calibrated "
+        "(gimbalctl calibrate intrinsics finds it)");
+    out.session.camera_without_lens = std::move(camera);
+  }
+  return {};
+}
+
+/// The rotation nearest to a matrix that was rounded when it was written.
+std::optional<Eigen::Matrix3d> read_rotation(TomlTable& table, std::string_view key) {
+  constexpr double kRounding = 1e-2;
+  constexpr double kExact = 1e-12;
+  const std::optional<Eigen::Matrix3d> R = table.matrix3(key);
+  if (!R) return std::nullopt;
+  const double error = (R->transpose() * *R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
+  if (error > kRounding || R->determinant() < 0) {
+    table.refuse(key, R->determinant() < 0 ? "is a mirror, not a rotation: its determinant is below 0"
+                                           : "is not a rotation: its rows are not unit vectors at "
+                                             "right angles to each other");
+    return std::nullopt;
+  }
+  return error < kExact ? *R : Eigen::Quaterniond(*R).normalized().toRotationMatrix();
+}
+
+Result<void> read_imu(TomlTable& table, SessionToml& out) {
+  out.session.imu.R_camera_imu =
+      read_rotation(table, "R_camera_imu").value_or(Eigen::Matrix3d::Identity());
+  out.accel_to_specific_force_m_s2 = table.choice<double>("accel_unit", kAccelUnits).value_or(1.0) *
+                                     table.choice<double>("accel_sign", kAccelSigns).value_or(1.0);
+  out.session.imu_clock = table.text("clock").value_or("");
+  if (table.error()) return tl::unexpected(*table.error());
+  return {};
+}
+
+void append(std::vector<std::string>& to, std::vector<std::string> from) {
+  to.insert(to.end(), std::make_move_iterator(from.begin()), std::make_move_iterator(from.end()));
+}
+
+/// A TOML basic string.
+std::string in_toml_quotes(std::string_view text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\') {
+      out += '\\';
+      out += c;
+    } else if (byte < 0x20 || byte == 0x7f) {
+      out += fmt::format("\\u{:04X}", byte);
+    } else {
+      out += c;
+    }
+  }
+  return out + '"';
+}
+
+/// Shortest text that reads back as the same float; TOML wants a digit that tells it from a whole.
+std::string format_float(double value) {
+  const std::string text = fmt::format("{}", value);
+  return text.find_first_not_of("-0123456789") == std::string::npos ? text + ".0" : text;
+}
+
+std::string format_matrix(const Eigen::Matrix3d& matrix) {
+  std::array<std::string, 3> rows;
+  for (Eigen::Index r = 0; r < 3; ++r) {
+    rows[static_cast<std::size_t>(r)] =
+        fmt::format("[{}, {}, {}]", format_float(matrix(r, 0)), format_float(matrix(r, 1)),
+                    format_float(matrix(r, 2)));
+  }
+  return fmt::format("[{}]", fmt::join(rows, ", "));
+}
+
+/// Nanosecond digits that say nothing are left away.
+std::string format_duration(SensorDuration duration) {
+  std::string text = format_seconds(duration);
+  const std::size_t last = text.find_last_not_of('0');
+  text.resize(text[last] == '.' ? last + 2 : last + 1);
+  return text;
+}
+
+std::string format_lens(const LensParameters& lens) {
+  std::vector<std::string> distortion;
+  for (const double coefficient : lens.distortion) distortion.push_back(format_float(coefficient));
+  return fmt::format("model = \"{}\"\nK = {}\ndistortion = [{}]\n", name_of(kLensModels, lens.model),
+                     format_matrix(lens.K), fmt::join(distortion, ", "));
+}
+
+std::string format_camera(const CameraCalibration& camera, std::string_view lens) {
+  std::string out = "\n[camera]\n";
+  if (camera.size.width > 0 && camera.size.height > 0) {
+    out += fmt::format("width = {}\nheight = {}\n", camera.size.width, camera.size.height);
+  }
+  if (camera.fps > 0) out += fmt::format("fps = {}\n", format_float(camera.fps));
+  out += lens;
+  out += fmt::format("readout_s = {}\nreadout_direction = \"{}\"\n", format_duration(camera.readout),
+                     name_of(kDirections, camera.readout_direction));
+  out += fmt::format("time_offset_s = {}\ntimestamp = \"{}\"\n", format_duration(camera.time_offset),
+                     name_of(kTimestamps, camera.timestamp));
+  return out;
+}
+
+SensorDuration span_of(const Session& session) {
+  const auto span = [](const auto& samples) {
+    return samples.empty() ? SensorDuration{} : samples.back().time - samples.front().time;
+  };
+  return session.frames.empty() ? span(session.gyro) : span(session.frames);
+}
+
+}  // namespace
+
+Result<SessionToml> read_session_toml(const std::filesystem::path& path) {
+  Result<TomlTable> root = TomlTable::load(path);
+  if (!root) return tl::unexpected(root.error());
+  SessionToml out;
+  out.session.device = root->text("device").value_or("");
+  out.session.recorded_at = root->date("recorded_at").value_or("");
+  out.session.quality = root->text("quality").value_or("");
+  static_cast<void>(root->number("duration_s"));  // for people; the logs say it better
+  std::optional<TomlTable> camera = root->table("camera");
+  std::optional<TomlTable> imu = root->table("imu");
+  if (root->error()) return tl::unexpected(*root->error());
+  append(out.warnings, root->unknown_keys());
+  if (camera) {
+    if (Result<void> read = read_camera(*camera, out); !read) return tl::unexpected(read.error());
+    append(out.warnings, camera->unknown_keys());
+  }
+  if (imu) {
+    if (Result<void> read = read_imu(*imu, out); !read) return tl::unexpected(read.error());
+    append(out.warnings, imu->unknown_keys());
+  }
+  return out;
+}
+
+std::string format_session_toml(const Session& session) {
+  std::string out;
+  for (const std::string& note : session.notes) out += fmt::format("# {}\n", note);
+  const auto add_text = [&](std::string_view key, const std::string& value) {
+    if (!value.empty()) out += fmt::format("{} = {}\n", key, in_toml_quotes(value));
+  };
+  add_text("device", session.device);
+  add_text("recorded_at", session.recorded_at);
+  out += fmt::format("duration_s = {}\n", format_duration(span_of(session)));
+  add_text("quality", session.quality);
+  if (session.camera) {
+    out += format_camera(*session.camera, format_lens(session.camera->lens));
+  } else if (session.camera_without_lens) {
+    out += format_camera(*session.camera_without_lens, "");
+  }
+  out += fmt::format("\n[imu]\nR_camera_imu = {}\n", format_matrix(session.imu.R_camera_imu));
+  if (!session.accel.empty()) out += "accel_unit = \"m/s2\"\naccel_sign = \"specific-force\"\n";
+  add_text("clock", session.imu_clock);
+  return out;
+}
+
+}  // namespace gimbal
