@@ -1,0 +1,63 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstddef>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "pipeline/path/camera_path.hpp"
+
+namespace gimbal {
+
+/// The zoom at which a view in the given direction, q_world_camera, shows no border; infinite if
+/// none does.
+using RequiredZoom = std::function<double(const Eigen::Quaterniond&)>;
+
+/// A steady view as the path wants it, and what the frame can show.
+struct WantedView {
+  FramePose real;
+  Eigen::Quaterniond q_world_steady;
+  RequiredZoom required_zoom;
+};
+
+/// A view that fits its frame as far as any does.
+struct FittedView {
+  FramePose steady;
+  double zoom = 1;
+};
+
+/// Either a zoom for all frames, or the least that is needed up to a limit.
+struct ZoomChoice {
+  double least = 1;
+  double most = 1;
+};
+
+/// Keeps views inside their frames: chooses the zoom, and where the zoom does not suffice turns the
+/// view back towards the real camera, as little as needed, gradually.
+///
+/// When everything is known beforehand (latency none) the zoom is constant and a turn back begins
+/// before it is needed. With a limited latency the zoom only ever grows, and a turn back is as sudden
+/// as the need for it, its end gradual.
+class ViewLimiter {
+ public:
+  ViewLimiter(ZoomChoice zoom, PathLatency latency);
+
+  void push(WantedView view);
+  void finish();
+  [[nodiscard]] std::optional<FittedView> pop();
+
+ private:
+  void release(const WantedView& view, double share);
+  void release_all();
+
+  ZoomChoice choice_;
+  PathLatency latency_;
+  double zoom_;
+  double last_share_ = 1;  ///< of the way from the real to the steady view, of the last frame
+  std::vector<WantedView> held_;
+  std::deque<FittedView> ready_;
+};
+
+}  // namespace gimbal

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <vector>
+
+#include "pipeline/lens/lens.hpp"
+#include "pipeline/sample/calibration.hpp"
+#include "pipeline/sample/video_frame.hpp"
+#include "pipeline/sample/virtual_camera.hpp"
+#include "pipeline/warp/warp_mesh.hpp"
+
+namespace gimbal {
+
+/// The edge of a frame as a closed polygon of directions in the world, each from the camera as it
+/// was when that point's line was exposed.
+struct FrameOutline {
+  std::vector<Eigen::Vector3d> rays_world;
+};
+
+/// `points_per_side` points along each side of the frame (at least 2), corners included once.
+[[nodiscard]] FrameOutline trace_outline(const Lens& lens, ImageSize size,
+                                         ReadoutDirection direction,
+                                         const LineOrientation& q_world_camera,
+                                         int points_per_side);
+
+/// The smallest zoom, about the centre of the output, at which every output pixel of the camera lies
+/// inside the outline; infinite if the centre itself sees past the edge. `camera` is taken at zoom 1
+/// with its principal point anywhere.
+[[nodiscard]] double required_zoom(const FrameOutline& outline,
+                                   const Eigen::Quaterniond& q_world_camera,
+                                   const PinholeIntrinsics& unzoomed, ImageSize output_size);
+
+/// Magnifies about the centre of the picture.
+[[nodiscard]] PinholeIntrinsics zoomed(const PinholeIntrinsics& intrinsics, ImageSize size,
+                                       double zoom);
+
+}  // namespace gimbal

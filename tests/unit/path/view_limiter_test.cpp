@@ -1,0 +1,97 @@
+#include "pipeline/path/view_limiter.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace gimbal {
+namespace {
+
+using Eigen::Quaterniond;
+
+Quaterniond yaw(double angle_rad) {
+  return Quaterniond(Eigen::AngleAxisd(angle_rad, Eigen::Vector3d::UnitY()));
+}
+
+/// A frame seen straight needs zoom 1; a view turned by an angle away from it needs 1 + angle.
+WantedView wanted(std::int64_t index, double steady_away_rad) {
+  return {{{index, time_from_seconds(static_cast<double>(index) / 30), std::nullopt}, yaw(0)},
+          yaw(steady_away_rad),
+          [](const Quaterniond& q) { return 1 + q.angularDistance(yaw(0)); }};
+}
+
+std::vector<FittedView> run(ViewLimiter& limiter, const std::vector<double>& angles_rad) {
+  std::vector<FittedView> views;
+  const auto take = [&] {
+    while (auto view = limiter.pop()) views.push_back(*view);
+  };
+  for (std::size_t i = 0; i < angles_rad.size(); ++i) {
+    limiter.push(wanted(static_cast<std::int64_t>(i), angles_rad[i]));
+    take();
+  }
+  limiter.finish();
+  take();
+  return views;
+}
+
+double angle_of(const FittedView& view) { return view.steady.q_world_camera.angularDistance(yaw(0)); }
+
+TEST(ViewLimiter, LeavesViewsThatFit) {
+  ViewLimiter limiter({1.2, 1.2}, std::nullopt);
+  const auto views = run(limiter, {0.01, 0.1, 0.19});
+  ASSERT_EQ(views.size(), 3U);
+  EXPECT_NEAR(angle_of(views[2]), 0.19, 1e-9);
+  EXPECT_EQ(views[0].zoom, 1.2);
+}
+
+TEST(ViewLimiter, AutomaticZoomIsTheLeastThatShowsAllAndConstant) {
+  ViewLimiter limiter({1, 1.5}, std::nullopt);
+  const auto views = run(limiter, {0.02, 0.1, 0.05});
+  for (const FittedView& view : views) EXPECT_NEAR(view.zoom, 1.1, 2e-3);
+}
+
+class AnyLatency : public ::testing::TestWithParam<PathLatency> {};
+
+TEST_P(AnyLatency, NoViewExceedsItsFrame) {
+  ViewLimiter limiter({1, 1.1}, GetParam());
+  std::vector<double> angles_rad(90, 0.02);
+  std::fill(angles_rad.begin() + 40, angles_rad.begin() + 50, 0.5);
+  const auto views = run(limiter, angles_rad);
+  ASSERT_EQ(views.size(), angles_rad.size());
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    EXPECT_EQ(views[i].steady.stamp.index, static_cast<std::int64_t>(i));
+    EXPECT_LE(1 + angle_of(views[i]), views[i].zoom);
+    if (i > 0) {
+      EXPECT_GE(views[i].zoom, views[i - 1].zoom);
+    }
+  }
+  // Not needlessly far from the steady view either, once it fits again.
+  EXPECT_NEAR(angle_of(views.back()), 0.02, 1e-9);
+  EXPECT_GT(angle_of(views[45]), 0.09);
+}
+
+INSTANTIATE_TEST_SUITE_P(ViewLimiter, AnyLatency,
+                         ::testing::Values(PathLatency{}, PathLatency{0}, PathLatency{5}));
+
+TEST(ViewLimiter, TurnsBackGraduallyWhenAllIsKnown) {
+  ViewLimiter limiter({1.1, 1.1}, std::nullopt);
+  std::vector<double> angles_rad(60, 0.1);
+  angles_rad[30] = 1.0;
+  const auto views = run(limiter, angles_rad);
+  for (std::size_t i = 1; i < views.size(); ++i) {
+    if (i == 30 || i == 31) continue;  // the wanted view itself jumps there
+    EXPECT_LE(std::abs(angle_of(views[i]) - angle_of(views[i - 1])), 0.011) << i;
+  }
+}
+
+TEST(ViewLimiter, AFrameThatNothingFitsGetsItsRealView) {
+  ViewLimiter limiter({1, 1}, std::nullopt);
+  const auto views = run(limiter, {0.3});
+  EXPECT_EQ(angle_of(views[0]), 0);
+}
+
+}  // namespace
+}  // namespace gimbal
