@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "pipeline/path/pan_detector.hpp"
 #include "pipeline/sample/video_frame.hpp"
 
 namespace gimbal {
@@ -16,7 +17,8 @@ struct FramePose {
 };
 
 /// Smooths the camera's poses, frame by frame. With a latency of k frames the pose of frame i comes
-/// out once frame i+k went in; with no latency given, everything comes out after `finish`.
+/// out once frame i+k went in, and depends on nothing later; with no latency given, the path takes
+/// as much of the future as it can use.
 class CameraPath {
  public:
   CameraPath() = default;
@@ -33,20 +35,34 @@ class CameraPath {
   [[nodiscard]] virtual std::optional<FramePose> pop() = 0;
 };
 
-/// Frames of future that a path may use; none means all of them.
+/// Frames of future that a path may use; none means all that it can use.
 using PathLatency = std::optional<std::size_t>;
 
-/// The thesis' low-pass (2.33, 2.34): Hann window of `window` frames, odd; 1 leaves poses as they are.
+/// The thesis' low-pass (2.33, 2.34): Hann window of `window` frames, odd; 1 leaves poses as they
+/// are.
 [[nodiscard]] std::unique_ptr<CameraPath> make_hann_path(int window, PathLatency latency);
 
 struct AdaptiveHannParameters {
   int wide_window = 99;    ///< frames, odd, while the camera is held (2.3.3)
   int narrow_window = 29;  ///< frames, odd, in a fast pan
+  PanDetectorParameters pan;
 };
 
 /// The thesis' adaptive low-pass: a CUSUM test on the orientation change slides the window between
 /// the wide and the narrow one.
 [[nodiscard]] std::unique_ptr<CameraPath> make_adaptive_hann_path(
     const AdaptiveHannParameters& parameters, PathLatency latency);
+
+/// The frame rate that the thesis' windows are for. What matters to the eye is how long a window
+/// lasts, so for other rates they are scaled.
+constexpr double kThesisFps = 30;
+
+/// The window (odd) for an amount of stabilization from 0 (none) to 1 (the thesis' 99 frames at 30
+/// fps), in proportion. `fps` must be positive.
+[[nodiscard]] int window_for_amount(double amount, double fps = kThesisFps);
+
+/// The same for both windows of the adaptive low-pass.
+[[nodiscard]] AdaptiveHannParameters adaptive_hann_for_amount(double amount,
+                                                              double fps = kThesisFps);
 
 }  // namespace gimbal
