@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "pipeline/sample/result.hpp"
 #include "pipeline/sample/video_frame.hpp"
@@ -22,8 +23,12 @@ class FrameSink {
   /// frame's. Stamps must rise.
   [[nodiscard]] virtual Result<void> write(const VideoFrame& frame) = 0;
 
-  /// Ends the stream properly and waits until everything is written.
+  /// Ends the stream properly and waits until everything is written. Without it a file is left
+  /// unfinished.
   [[nodiscard]] virtual Result<void> finish() = 0;
+
+  /// What is written otherwise than asked, a line each; known once the sink is open.
+  [[nodiscard]] virtual const std::vector<std::string>& warnings() const = 0;
 };
 
 /// The pictures that a sink will get.

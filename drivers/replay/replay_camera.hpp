@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "drivers/camera_source.hpp"
+
+namespace gimbal {
+
+class VideoDecoder;
+
+/// The frames of a recording. The n-th decoded picture gets the n-th stamp of the recording's frame
+/// list; the video file's own times are never used. Pictures are handed over in GStreamer's memory,
+/// not copied. `stop` may be called while another thread waits in `read`.
+class ReplayCamera final : public CameraSource {
+ public:
+  /// `fps`: the nominal rate; 0 takes what the video file says.
+  ReplayCamera(std::filesystem::path video, std::vector<FrameStamp> stamps, double fps);
+  ~ReplayCamera() override;
+
+  [[nodiscard]] Result<void> start() override;
+  [[nodiscard]] CameraFormat format() const override { return format_; }
+
+  /// Ends with the shorter of the two, video and frame list. A damaged video ends early.
+  [[nodiscard]] Result<std::optional<VideoFrame>> read() override;
+
+  void stop() override;
+
+  /// Pictures left out since the frame list was too short. Known once `read` gave nothing.
+  [[nodiscard]] std::int64_t frames_without_stamp() const { return frames_without_stamp_; }
+
+  /// Entries of the frame list for which there was no picture. Known once `read` gave nothing.
+  [[nodiscard]] std::int64_t stamps_without_frame() const { return stamps_without_frame_; }
+
+  /// What was odd, a line each. Known once `read` gave nothing.
+  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
+
+ private:
+  [[nodiscard]] Result<std::optional<VideoFrame>> end_of_video();
+  [[nodiscard]] Result<void> count_rest();
+
+  std::filesystem::path video_;
+  std::vector<FrameStamp> stamps_;
+  double fps_;
+  CameraFormat format_;
+  std::unique_ptr<VideoDecoder> decoder_;
+  std::size_t next_ = 0;
+  bool has_ended_ = false;
+  std::int64_t frames_without_stamp_ = 0;
+  std::int64_t stamps_without_frame_ = 0;
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace gimbal

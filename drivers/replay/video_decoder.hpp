@@ -1,0 +1,62 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/gstreamer/gst_runtime.hpp"
+#include "pipeline/sample/result.hpp"
+
+namespace gimbal {
+
+/// Decodes the first video stream of a file to NV12, as fast as pictures are asked for and only a few
+/// ahead of that. Rotation tags are not followed: pictures come as the sensor was read.
+class VideoDecoder {
+ public:
+  /// Decodes up to the first picture. bad_input if there is none: not a video, too damaged, or no
+  /// decoder installed.
+  /// `patience`: how long the file may yield nothing before that is an error.
+  [[nodiscard]] static Result<std::unique_ptr<VideoDecoder>> open(
+      const std::filesystem::path& path,
+      std::chrono::milliseconds patience = std::chrono::seconds(30));
+
+  /// Caps of the first picture; all of a file's pictures have the same size.
+  [[nodiscard]] GstCaps* caps() const { return caps_.get(); }
+
+  /// The next picture in order of presentation; null at the end or after `interrupt`. A damaged file
+  /// ends where its last picture could be decoded, with a warning.
+  [[nodiscard]] Result<GstSamplePtr> next();
+
+  /// Makes `next` return, on whatever thread it waits; nothing comes afterwards.
+  void interrupt();
+  [[nodiscard]] bool is_interrupted() const { return is_interrupted_; }
+
+  /// What was wrong with the file so far, a line each.
+  [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
+
+ private:
+  VideoDecoder(std::filesystem::path path, std::chrono::milliseconds patience);
+
+  [[nodiscard]] Result<void> start();
+  [[nodiscard]] Result<GstSamplePtr> pull();
+  [[nodiscard]] bool is_at_end() const;
+  void drain_bus();
+  [[nodiscard]] Error no_picture() const;
+
+  std::filesystem::path path_;
+  std::chrono::milliseconds patience_;
+  GstElementPtr sink_;
+  GstPipelinePtr pipeline_;
+  GstCapsPtr caps_;
+  GstSamplePtr first_;  ///< until it is taken
+  std::atomic<bool> is_interrupted_ = false;
+  std::optional<std::string> failure_;
+  std::string missing_plugin_;
+  std::vector<std::string> warnings_;
+};
+
+}  // namespace gimbal

@@ -1,0 +1,122 @@
+#include "pipeline/gstreamer/gst_frames.hpp"
+
+#include <utility>
+
+namespace gimbal {
+namespace {
+
+struct PlaneShape {
+  int row_bytes;
+  int rows;
+};
+
+std::array<PlaneShape, 2> nv12_planes(ImageSize size) {
+  const ImageSize chroma = chroma_size(size);
+  return {{{size.width, size.height}, {2 * chroma.width, chroma.height}}};
+}
+
+/// From the first byte of the first row to the last byte of the last one.
+std::size_t bytes_spanned(const PlaneShape& shape, std::ptrdiff_t stride_bytes) {
+  return static_cast<std::size_t>(stride_bytes * (shape.rows - 1) + shape.row_bytes);
+}
+
+void release_storage(gpointer storage) { delete static_cast<std::shared_ptr<const void>*>(storage); }
+
+GstMemory* wrap_plane(const VideoFrame& frame, const ConstPlane& plane, std::size_t bytes) {
+  // The flag keeps GStreamer from writing through the pointer that its interface wants mutable.
+  auto* data = const_cast<std::uint8_t*>(plane.data);
+  auto* storage = new std::shared_ptr<const void>(frame.storage);
+  return gst_memory_new_wrapped(GST_MEMORY_FLAG_READONLY, data, bytes, 0, bytes, storage,
+                                release_storage);
+}
+
+/// Keeps a buffer mapped for as long as a frame points into it.
+class MappedBuffer {
+ public:
+  MappedBuffer(GstBuffer* buffer, const GstVideoInfo& info)
+      : is_mapped_(gst_video_frame_map(&mapped_, &info, buffer, GST_MAP_READ) != FALSE) {}
+  MappedBuffer(const MappedBuffer&) = delete;
+  MappedBuffer& operator=(const MappedBuffer&) = delete;
+  ~MappedBuffer() {
+    if (is_mapped_) {
+      gst_video_frame_unmap(&mapped_);
+    }
+  }
+
+  [[nodiscard]] bool is_mapped() const { return is_mapped_; }
+  [[nodiscard]] ConstPlane plane(guint index) const {
+    return {static_cast<const std::uint8_t*>(GST_VIDEO_FRAME_PLANE_DATA(&mapped_, index)),
+            GST_VIDEO_FRAME_PLANE_STRIDE(&mapped_, index)};
+  }
+
+ private:
+  GstVideoFrame mapped_{};
+  bool is_mapped_;
+};
+
+}  // namespace
+
+GstCapsPtr nv12_caps(ImageSize size, double fps, const ColorInfo& color) {
+  gint numerator = 0;
+  gint denominator = 1;
+  if (fps > 0) {
+    gst_util_double_to_fraction(fps, &numerator, &denominator);
+  }
+  GstCapsPtr caps(gst_caps_new_simple(
+      "video/x-raw", "format", G_TYPE_STRING, "NV12", "width", G_TYPE_INT, size.width, "height",
+      G_TYPE_INT, size.height, "framerate", GST_TYPE_FRACTION, numerator, denominator,
+      "pixel-aspect-ratio", GST_TYPE_FRACTION, 1, 1, "chroma-site", G_TYPE_STRING,
+      color.chroma_siting == ChromaSiting::left ? "mpeg2" : "jpeg", nullptr));
+  GstVideoColorimetry colorimetry;
+  if (gst_video_colorimetry_from_string(&colorimetry, color.colorimetry.c_str())) {
+    gst_caps_set_simple(caps.get(), "colorimetry", G_TYPE_STRING, color.colorimetry.c_str(),
+                        nullptr);
+  }
+  return caps;
+}
+
+ColorInfo color_of(const GstVideoInfo& info) {
+  ColorInfo color;
+  if (gchar* text = gst_video_colorimetry_to_string(&info.colorimetry)) {
+    color.colorimetry = text;
+    g_free(text);
+  }
+  const bool is_centered = info.chroma_site == GST_VIDEO_CHROMA_SITE_JPEG ||
+                           info.chroma_site == GST_VIDEO_CHROMA_SITE_V_COSITED;
+  color.chroma_siting = is_centered ? ChromaSiting::center : ChromaSiting::left;
+  return color;
+}
+
+GstBufferPtr wrap_frame(const VideoFrame& frame) {
+  const auto shapes = nv12_planes(frame.size);
+  const auto [luma, chroma] = frame.planes;
+  const std::size_t luma_bytes = bytes_spanned(shapes[0], luma.stride_bytes);
+  const std::size_t chroma_bytes = bytes_spanned(shapes[1], chroma.stride_bytes);
+  GstBufferPtr buffer(gst_buffer_new());
+  gst_buffer_append_memory(buffer.get(), wrap_plane(frame, luma, luma_bytes));
+  gst_buffer_append_memory(buffer.get(), wrap_plane(frame, chroma, chroma_bytes));
+  gsize offsets[GST_VIDEO_MAX_PLANES] = {0, luma_bytes};
+  gint strides[GST_VIDEO_MAX_PLANES] = {static_cast<gint>(luma.stride_bytes),
+                                        static_cast<gint>(chroma.stride_bytes)};
+  gst_buffer_add_video_meta_full(buffer.get(), GST_VIDEO_FRAME_FLAG_NONE, GST_VIDEO_FORMAT_NV12,
+                                 static_cast<guint>(frame.size.width),
+                                 static_cast<guint>(frame.size.height), 2, offsets, strides);
+  return buffer;
+}
+
+std::optional<VideoFrame> map_frame(GstBuffer* buffer, const GstVideoInfo& info,
+                                    const FrameStamp& stamp) {
+  auto mapped = std::make_shared<const MappedBuffer>(buffer, info);
+  if (!mapped->is_mapped()) {
+    return std::nullopt;
+  }
+  VideoFrame frame;
+  frame.stamp = stamp;
+  frame.size = {GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)};
+  frame.color = color_of(info);
+  frame.planes = {{mapped->plane(0), mapped->plane(1)}};
+  frame.storage = std::move(mapped);
+  return frame;
+}
+
+}  // namespace gimbal

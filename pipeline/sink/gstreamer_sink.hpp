@@ -1,0 +1,62 @@
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "pipeline/gstreamer/gst_runtime.hpp"
+#include "pipeline/sink/frame_sink.hpp"
+#include "pipeline/sink/stream_progress.hpp"
+
+namespace gimbal {
+
+/// A GStreamer pipeline that frames are fed into, and what must be known to speak about it.
+struct SinkPipeline {
+  /// Has an appsrc of the name kFrameSourceName; not yet started.
+  GstPipelinePtr pipeline;
+  /// What remains if writing fails, such as "out.mp4 is incomplete and will not play".
+  std::string remains;
+  std::vector<std::string> warnings;
+  /// How long the pipeline may stand still before that is an error.
+  std::chrono::milliseconds patience = std::chrono::seconds(60);
+};
+
+inline constexpr const char* kFrameSourceName = "gimbald_frames";
+
+/// Feeds frames into a pipeline without copying them.
+class GstreamerSink final : public FrameSink {
+ public:
+  /// Starts the pipeline. Frames may be larger than `format.size` by a column and a row on the right
+  /// and at the bottom, which are left out.
+  [[nodiscard]] static Result<std::unique_ptr<FrameSink>> start(SinkPipeline target,
+                                                                const SinkFormat& format);
+
+  ~GstreamerSink() override;
+
+  [[nodiscard]] Result<void> write(const VideoFrame& frame) override;
+  [[nodiscard]] Result<void> finish() override;
+  [[nodiscard]] const std::vector<std::string>& warnings() const override { return warnings_; }
+
+ private:
+  /// What becomes of a frame on its way out of the queue, on the pipeline's thread.
+  struct FrameGate;
+
+  GstreamerSink(SinkPipeline target, const SinkFormat& format);
+
+  void watch();
+  [[nodiscard]] Result<void> check(const VideoFrame& frame) const;
+  [[nodiscard]] Result<void> explain(Result<void> result) const;
+
+  SinkFormat format_;
+  std::string remains_;
+  std::vector<std::string> warnings_;
+  StreamProgress progress_;
+  std::unique_ptr<FrameGate> gate_;
+  std::optional<SensorTime> first_time_;
+  SensorTime last_time_;
+  GstElementPtr source_;
+  GstPipelinePtr pipeline_;  // last, so that its threads end before what they use
+};
+
+}  // namespace gimbal
