@@ -36,7 +36,7 @@ Result<void> ReplayCamera::start() {
   if (!gst_video_info_from_caps(&info, (*decoder)->caps())) {
     return bad_input(fmt::format("{}: its picture format is not understood", video_.string()));
   }
-  format_ = {size_of(info), fps_ > 0 ? fps_ : rate_of(info), color_of(info)};
+  format_ = {size_of(info), fps_ > 0 ? fps_ : rate_of(info), color_of((*decoder)->caps())};
   next_ = 0;
   has_ended_ = false;
   frames_without_stamp_ = 0;
@@ -60,16 +60,14 @@ Result<std::optional<VideoFrame>> ReplayCamera::read() {
   if (*sample == nullptr) {
     return decoder_->is_interrupted() ? std::nullopt : end_of_video();
   }
-  GstVideoInfo info;
-  gst_video_info_from_caps(&info, gst_sample_get_caps(sample->get()));
-  if (size_of(info) != format_.size) {
-    return bad_input(fmt::format("{}: picture {} is {}x{}, but the first was {}x{}",
-                                 video_.string(), next_, info.width, info.height,
-                                 format_.size.width, format_.size.height));
-  }
-  auto frame = map_frame(gst_sample_get_buffer(sample->get()), info, stamps_[next_]);
+  auto frame = map_frame(sample->get(), stamps_[next_]);
   if (!frame) {
     return failed(fmt::format("{}: picture {} cannot be read", video_.string(), next_));
+  }
+  if (frame->size != format_.size) {
+    return bad_input(fmt::format("{}: picture {} is {}x{}, but the first was {}x{}",
+                                 video_.string(), next_, frame->size.width, frame->size.height,
+                                 format_.size.width, format_.size.height));
   }
   ++next_;
   return frame;
@@ -89,8 +87,9 @@ Result<std::optional<VideoFrame>> ReplayCamera::end_of_video() {
   stamps_without_frame_ = static_cast<std::int64_t>(stamps_.size() - next_);
   warnings_ = decoder_->warnings();
   if (frames_without_stamp_ > 0) {
-    warnings_.push_back(fmt::format("{}: the last {} pictures have no stamp in the frame list and are left out",
-                                    video_.string(), frames_without_stamp_));
+    warnings_.push_back(
+        fmt::format("{}: the last {} pictures have no stamp in the frame list and are left out",
+                    video_.string(), frames_without_stamp_));
   }
   if (stamps_without_frame_ > 0) {
     warnings_.push_back(fmt::format("{}: holds no picture for the last {} stamps of the frame list",

@@ -27,7 +27,8 @@ std::string_view media_type(const GstCaps* caps) {
 }
 
 /// Audio and data stay as they are: their decoders may be missing and are not needed.
-gboolean wants_decoding(GstElement* /*decoder*/, GstPad* /*pad*/, GstCaps* caps, gpointer /*data*/) {
+gboolean wants_decoding(GstElement* /*decoder*/, GstPad* /*pad*/, GstCaps* caps,
+                        gpointer /*data*/) {
   const std::string_view type = media_type(caps);
   const bool is_other =
       type.starts_with("audio/") || type.starts_with("text/") || type.starts_with("meta/");
@@ -40,6 +41,10 @@ void link_first_video(GstElement* /*decoder*/, GstPad* pad, gpointer convert) {
   if (!gst_pad_is_linked(target.get()) && media_type(caps.get()) == "video/x-raw") {
     gst_pad_link(pad, target.get());
   }
+}
+
+void note_all_streams_known(GstElement* /*decoder*/, gpointer flag) {
+  *static_cast<std::atomic<bool>*>(flag) = true;
 }
 
 /// Lets decoders hand over their own padded pictures instead of copying them into packed ones.
@@ -89,6 +94,8 @@ Result<void> VideoDecoder::start() {
   const GstElementPtr convert = child(pipeline_, "convert");
   g_signal_connect(decoder.get(), "autoplug-continue", G_CALLBACK(wants_decoding), nullptr);
   g_signal_connect(decoder.get(), "pad-added", G_CALLBACK(link_first_video), convert.get());
+  g_signal_connect(decoder.get(), "no-more-pads", G_CALLBACK(note_all_streams_known),
+                   &are_streams_known_);
   const GstPadPtr pad(gst_element_get_static_pad(sink_.get(), "sink"));
   gst_pad_add_probe(pad.get(), GST_PAD_PROBE_TYPE_QUERY_DOWNSTREAM, accept_strides, nullptr,
                     nullptr);
@@ -141,7 +148,12 @@ Result<GstSamplePtr> VideoDecoder::pull() {
 
 bool VideoDecoder::is_at_end() const {
   const bool has_ended = gst_app_sink_is_eos(GST_APP_SINK(sink_.get())) != FALSE;
-  return has_ended || (failure_ && !caps_);
+  return has_ended || (failure_ && !caps_) || (are_streams_known_ && !has_video());
+}
+
+bool VideoDecoder::has_video() const {
+  const GstPadPtr pad(gst_element_get_static_pad(child(pipeline_, "convert").get(), "sink"));
+  return gst_pad_is_linked(pad.get()) != FALSE;
 }
 
 void VideoDecoder::drain_bus() {
@@ -160,9 +172,11 @@ Error VideoDecoder::no_picture() const {
   if (!missing_plugin_.empty()) {
     return {Error::Kind::bad_input, fmt::format("{}: {}", path_.string(), missing_plugin_)};
   }
-  return {Error::Kind::bad_input,
-          fmt::format("{}: no picture can be decoded from it{}", path_.string(),
-                      failure_ ? ": " + *failure_ : "")};
+  if (are_streams_known_ && !has_video()) {
+    return {Error::Kind::bad_input, fmt::format("{}: holds no video", path_.string())};
+  }
+  return {Error::Kind::bad_input, fmt::format("{}: no picture can be decoded from it{}",
+                                              path_.string(), failure_ ? ": " + *failure_ : "")};
 }
 
 }  // namespace gimbal

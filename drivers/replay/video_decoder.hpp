@@ -13,8 +13,8 @@
 
 namespace gimbal {
 
-/// Decodes the first video stream of a file to NV12, as fast as pictures are asked for and only a few
-/// ahead of that. Rotation tags are not followed: pictures come as the sensor was read.
+/// Decodes the first video stream of a file to NV12, as fast as pictures are asked for and only a
+/// few ahead of that. Rotation tags are not followed: pictures come as the sensor was read.
 class VideoDecoder {
  public:
   /// Decodes up to the first picture. bad_input if there is none: not a video, too damaged, or no
@@ -27,8 +27,8 @@ class VideoDecoder {
   /// Caps of the first picture; all of a file's pictures have the same size.
   [[nodiscard]] GstCaps* caps() const { return caps_.get(); }
 
-  /// The next picture in order of presentation; null at the end or after `interrupt`. A damaged file
-  /// ends where its last picture could be decoded, with a warning.
+  /// The next picture in order of presentation; null at the end or after `interrupt`. A damaged
+  /// file ends where its last picture could be decoded, with a warning.
   [[nodiscard]] Result<GstSamplePtr> next();
 
   /// Makes `next` return, on whatever thread it waits; nothing comes afterwards.
@@ -44,16 +44,18 @@ class VideoDecoder {
   [[nodiscard]] Result<void> start();
   [[nodiscard]] Result<GstSamplePtr> pull();
   [[nodiscard]] bool is_at_end() const;
+  [[nodiscard]] bool has_video() const;
   void drain_bus();
   [[nodiscard]] Error no_picture() const;
 
   std::filesystem::path path_;
   std::chrono::milliseconds patience_;
+  std::atomic<bool> is_interrupted_ = false;
+  std::atomic<bool> are_streams_known_ = false;
   GstElementPtr sink_;
-  GstPipelinePtr pipeline_;
+  GstPipelinePtr pipeline_;  // its threads use what stands above
   GstCapsPtr caps_;
   GstSamplePtr first_;  ///< until it is taken
-  std::atomic<bool> is_interrupted_ = false;
   std::optional<std::string> failure_;
   std::string missing_plugin_;
   std::vector<std::string> warnings_;

@@ -1,5 +1,6 @@
 #include "pipeline/gstreamer/gst_frames.hpp"
 
+#include <string_view>
 #include <utility>
 
 namespace gimbal {
@@ -20,7 +21,9 @@ std::size_t bytes_spanned(const PlaneShape& shape, std::ptrdiff_t stride_bytes) 
   return static_cast<std::size_t>(stride_bytes * (shape.rows - 1) + shape.row_bytes);
 }
 
-void release_storage(gpointer storage) { delete static_cast<std::shared_ptr<const void>*>(storage); }
+void release_storage(gpointer storage) {
+  delete static_cast<std::shared_ptr<const void>*>(storage);
+}
 
 GstMemory* wrap_plane(const VideoFrame& frame, const ConstPlane& plane, std::size_t bytes) {
   // The flag keeps GStreamer from writing through the pointer that its interface wants mutable.
@@ -75,16 +78,14 @@ GstCapsPtr nv12_caps(ImageSize size, double fps, const ColorInfo& color) {
   return caps;
 }
 
-ColorInfo color_of(const GstVideoInfo& info) {
-  ColorInfo color;
-  if (gchar* text = gst_video_colorimetry_to_string(&info.colorimetry)) {
-    color.colorimetry = text;
-    g_free(text);
-  }
-  const bool is_centered = info.chroma_site == GST_VIDEO_CHROMA_SITE_JPEG ||
-                           info.chroma_site == GST_VIDEO_CHROMA_SITE_V_COSITED;
-  color.chroma_siting = is_centered ? ChromaSiting::center : ChromaSiting::left;
-  return color;
+ColorInfo color_of(const GstCaps* caps) {
+  // Not by GstVideoInfo, which invents what caps leave open.
+  const GstStructure* fields = gst_caps_get_structure(caps, 0);
+  const gchar* colorimetry = gst_structure_get_string(fields, "colorimetry");
+  const gchar* site = gst_structure_get_string(fields, "chroma-site");
+  const bool is_centered = site != nullptr && std::string_view(site) == "jpeg";
+  return {colorimetry == nullptr ? "" : colorimetry,
+          is_centered ? ChromaSiting::center : ChromaSiting::left};
 }
 
 GstBufferPtr wrap_frame(const VideoFrame& frame) {
@@ -104,16 +105,20 @@ GstBufferPtr wrap_frame(const VideoFrame& frame) {
   return buffer;
 }
 
-std::optional<VideoFrame> map_frame(GstBuffer* buffer, const GstVideoInfo& info,
-                                    const FrameStamp& stamp) {
-  auto mapped = std::make_shared<const MappedBuffer>(buffer, info);
+std::optional<VideoFrame> map_frame(GstSample* sample, const FrameStamp& stamp) {
+  const GstCaps* caps = gst_sample_get_caps(sample);
+  GstVideoInfo info;
+  if (!gst_video_info_from_caps(&info, caps)) {
+    return std::nullopt;
+  }
+  auto mapped = std::make_shared<const MappedBuffer>(gst_sample_get_buffer(sample), info);
   if (!mapped->is_mapped()) {
     return std::nullopt;
   }
   VideoFrame frame;
   frame.stamp = stamp;
   frame.size = {GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)};
-  frame.color = color_of(info);
+  frame.color = color_of(caps);
   frame.planes = {{mapped->plane(0), mapped->plane(1)}};
   frame.storage = std::move(mapped);
   return frame;

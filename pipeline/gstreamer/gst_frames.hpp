@@ -11,16 +11,16 @@ namespace gimbal {
 /// left out.
 [[nodiscard]] GstCapsPtr nv12_caps(ImageSize size, double fps, const ColorInfo& color);
 
-/// What caps say of colour. Chroma sites that ColorInfo cannot name become the nearest one.
-[[nodiscard]] ColorInfo color_of(const GstVideoInfo& info);
+/// What caps of a picture say of colour. A chroma site that is not said, or that ColorInfo cannot
+/// name, is `left`, as most codecs have it.
+[[nodiscard]] ColorInfo color_of(const GstCaps* caps);
 
 /// A read-only buffer over the frame's own memory, with its strides as GstVideoMeta; it keeps the
 /// frame's storage until GStreamer lets go of it. Presentation time and duration are not set.
 [[nodiscard]] GstBufferPtr wrap_frame(const VideoFrame& frame);
 
-/// The picture of a buffer with the stamp given, over the buffer's own memory; the frame keeps the
-/// buffer. Nothing if the buffer does not hold what `info` (NV12) says.
-[[nodiscard]] std::optional<VideoFrame> map_frame(GstBuffer* buffer, const GstVideoInfo& info,
-                                                  const FrameStamp& stamp);
+/// The NV12 picture of a sample with the stamp given, over the sample's own memory, which the frame
+/// keeps. Nothing if the sample does not hold what its caps say.
+[[nodiscard]] std::optional<VideoFrame> map_frame(GstSample* sample, const FrameStamp& stamp);
 
 }  // namespace gimbal
