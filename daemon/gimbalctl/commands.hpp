@@ -6,8 +6,8 @@
 
 namespace gimbal {
 
-/// Each function adds one subcommand to the command line. Its callback does the whole job and leaves
-/// its result in `outcome`, which outlives the app.
+/// Each function adds one subcommand to the command line. Its callback does the whole job and
+/// leaves its result in `outcome`, which outlives the app.
 using CommandOutcome = Result<void>;
 
 }  // namespace gimbal

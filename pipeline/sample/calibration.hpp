@@ -31,7 +31,7 @@ struct CameraCalibration {
   ImageSize size;
   double fps = 0;
   LensParameters lens;
-  SensorDuration readout{};      ///< from the first row to one past the last
+  SensorDuration readout{};  ///< from the first row to one past the last
   ReadoutDirection readout_direction = ReadoutDirection::top_down;
   SensorDuration time_offset{};  ///< t_d: added to a frame's stamp to get the IMU's clock
   TimestampReference timestamp = TimestampReference::readout_start;

@@ -35,6 +35,8 @@ constexpr SensorTime time_from_seconds(double seconds) {
 }
 
 /// Seconds since the clock's epoch, as the `t_s` columns of logs have it.
-constexpr double seconds_since_epoch(SensorTime time) { return to_seconds(time.time_since_epoch()); }
+constexpr double seconds_since_epoch(SensorTime time) {
+  return to_seconds(time.time_since_epoch());
+}
 
 }  // namespace gimbal

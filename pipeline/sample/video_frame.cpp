@@ -6,7 +6,8 @@
 namespace gimbal {
 namespace {
 
-constexpr std::size_t kAlignmentBytes = 64;  // a cache line, and what SIMD loads and GPU uploads like
+constexpr std::size_t kAlignmentBytes =
+    64;  // a cache line, and what SIMD loads and GPU uploads like
 
 constexpr std::ptrdiff_t align_up(std::ptrdiff_t bytes) {
   constexpr auto alignment = static_cast<std::ptrdiff_t>(kAlignmentBytes);
@@ -14,11 +15,10 @@ constexpr std::ptrdiff_t align_up(std::ptrdiff_t bytes) {
 }
 
 std::shared_ptr<std::uint8_t[]> allocate(std::size_t bytes) {
-  auto* memory = static_cast<std::uint8_t*>(
-      ::operator new[](bytes, std::align_val_t{kAlignmentBytes}));
-  return {memory, [](std::uint8_t* data) {
-            ::operator delete[](data, std::align_val_t{kAlignmentBytes});
-          }};
+  auto* memory =
+      static_cast<std::uint8_t*>(::operator new[](bytes, std::align_val_t{kAlignmentBytes}));
+  return {memory,
+          [](std::uint8_t* data) { ::operator delete[](data, std::align_val_t{kAlignmentBytes}); }};
 }
 
 }  // namespace
@@ -37,8 +37,8 @@ VideoFrame Nv12Buffer::publish(FrameStamp stamp, ColorInfo color) && {
   frame.stamp = stamp;
   frame.size = size_;
   frame.color = std::move(color);
-  frame.planes = {{{planes_[0].data, planes_[0].stride_bytes},
-                   {planes_[1].data, planes_[1].stride_bytes}}};
+  frame.planes = {
+      {{planes_[0].data, planes_[0].stride_bytes}, {planes_[1].data, planes_[1].stride_bytes}}};
   frame.storage = std::move(storage_);
   return frame;
 }

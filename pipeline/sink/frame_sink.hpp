@@ -41,11 +41,12 @@ struct SinkFormat {
 /// Audio to be carried over from a recording, unchanged.
 struct AudioTrack {
   std::filesystem::path file;
-  SensorDuration offset{};  ///< added to the file's stamps: what is at 0 in the output is at -offset
+  SensorDuration
+      offset{};  ///< added to the file's stamps: what is at 0 in the output is at -offset
 };
 
-/// `out`: a path ending in .mp4, .mkv or .y4m; "-" for y4m on standard output; or, with " ! " in it,
-/// a GStreamer pipeline that the pictures are fed into. Audio goes into .mp4 and .mkv only.
+/// `out`: a path ending in .mp4, .mkv or .y4m; "-" for y4m on standard output; or, with " ! " in
+/// it, a GStreamer pipeline that the pictures are fed into. Audio goes into .mp4 and .mkv only.
 [[nodiscard]] Result<std::unique_ptr<FrameSink>> open_sink(const std::string& out,
                                                            const SinkFormat& format,
                                                            const std::optional<AudioTrack>& audio);

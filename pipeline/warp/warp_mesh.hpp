@@ -48,8 +48,8 @@ struct MeshDensity {
 using LineOrientation = std::function<Eigen::Quaterniond(double line)>;
 
 /// Thesis (2.30)-(2.32) with the orientation of every row: each vertex of a grid over the source is
-/// turned from the camera as it was at the vertex's own line, `q_world_camera(line)`, to the virtual
-/// camera. With extend or mirror the grid is larger than the frame.
+/// turned from the camera as it was at the vertex's own line, `q_world_camera(line)`, to the
+/// virtual camera. With extend or mirror the grid is larger than the frame.
 [[nodiscard]] WarpMesh build_warp_mesh(const Lens& lens, ImageSize source_size,
                                        ReadoutDirection direction,
                                        const LineOrientation& q_world_camera,
@@ -59,8 +59,8 @@ using LineOrientation = std::function<Eigen::Quaterniond(double line)>;
 /// Pixels of the output whose centre lies outside of the source frame.
 [[nodiscard]] std::int64_t count_border_pixels(const WarpMesh& mesh);
 
-/// Where the centre of an output pixel comes from, by the mesh's own triangles; nothing if it is not
-/// covered. The definition that warpers are tested against.
+/// Where the centre of an output pixel comes from, by the mesh's own triangles; nothing if it is
+/// not covered. The definition that warpers are tested against.
 [[nodiscard]] std::optional<Eigen::Vector2d> source_of(const WarpMesh& mesh,
                                                        const Eigen::Vector2d& output_px);
 
