@@ -12,10 +12,15 @@ from pathlib import Path
 
 # What a stage stands on, beside itself, `sample` and `queue`.
 STAGE_STANDS_ON = {
+    "sink": {"gstreamer"},
     "warp": {"lens"},
 }
 STAGES_THAT_ALL_MAY_USE = {"sample", "queue"}
-STAGES_A_DRIVER_MAY_USE = {"sample", "queue", "lens"}
+# What a driver stands on, beside `sample`, `queue` and `lens`.
+DRIVER_STANDS_ON = {
+    "replay": {"gstreamer"},
+}
+STAGES_THAT_DRIVERS_MAY_USE = {"sample", "queue", "lens"}
 
 # Where a system header is at home: its name, and the units (see `unit_of`) that may include it.
 # The first match counts. Tests may include any.
@@ -25,7 +30,7 @@ OUTSIDE_PIPELINE = r"drivers.*|daemon"
 SYSTEM_HEADER_HOMES = [
     (r"(Eigen|tl)/.*", ANYWHERE),
     (r"(EGL|GLES\d?|GL|KHR)/.*|gbm\.h|drm.*", r"pipeline/warp"),
-    (r"gst/.*|glib.*", r"pipeline/sink|drivers/replay"),
+    (r"gst/.*|glib.*", r"pipeline/(gstreamer|sink)|drivers/replay"),
     (r"opencv2/.*", r"pipeline/sync|daemon"),
     (r"linux/(videodev2|v4l2-.*|media.*)\.h", r"drivers/v4l2"),
     (r"libcamera/.*", r"drivers/libcamera"),
@@ -72,11 +77,9 @@ def may_include_unit(unit, target):
     target_top, _, target_name = target.partition("/")
     if unit_top == "pipeline":
         return target_top == "pipeline" and may_include_stage(unit_name, target_name)
-    if unit == "drivers":
-        return target_top == "drivers" or target_name in STAGES_A_DRIVER_MAY_USE
     if target_top == "pipeline":
-        return target_name in STAGES_A_DRIVER_MAY_USE
-    return target == "drivers/interface"
+        return target_name in STAGES_THAT_DRIVERS_MAY_USE | DRIVER_STANDS_ON.get(unit_name, set())
+    return unit == "drivers" or target == "drivers/interface"
 
 
 def may_include_stage(stage, target):
