@@ -162,20 +162,22 @@ Result<double> CsvReader::number(const CsvRow& row, std::size_t column) const {
   return value;
 }
 
-Result<std::optional<SensorDuration>> CsvReader::seconds(const CsvRow& row,
-                                                         std::size_t column) const {
-  const auto duration = parse_seconds(row.fields[column]);
+Result<std::optional<SensorDuration>> CsvReader::time(const CsvRow& row, std::size_t column,
+                                                      TimeUnit unit) const {
+  const auto duration = parse_time(row.fields[column], unit);
   if (duration) return std::optional(*duration);
   switch (duration.error()) {
     case TimeTextFault::not_finite:
       return std::optional<SensorDuration>();
     case TimeTextFault::out_of_range:
       return error_at(row, column,
-                      "a time in seconds is expected; is this in milli-, micro- or nanoseconds?");
+                      unit == TimeUnit::seconds
+                          ? "too large for seconds; is this in milli-, micro- or nanoseconds?"
+                          : "too large for a time");
     case TimeTextFault::not_a_number:
       break;
   }
-  return error_at(row, column, "a time in seconds is expected");
+  return error_at(row, column, "a time is expected");
 }
 
 Result<std::int64_t> CsvReader::integer(const CsvRow& row, std::size_t column) const {

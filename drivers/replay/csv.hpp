@@ -38,15 +38,17 @@ class CsvReader {
   [[nodiscard]] static Result<CsvReader> open_headerless(const std::filesystem::path& path,
                                                          Columns columns, char separator);
 
+  [[nodiscard]] const std::filesystem::path& path() const { return path_; }
+
   /// The next row; nothing at the end.
   [[nodiscard]] Result<std::optional<CsvRow>> next();
 
   /// A field of the row as a number; "nan" and "inf" are numbers here.
   [[nodiscard]] Result<double> number(const CsvRow& row, std::size_t column) const;
 
-  /// A field of the row as a time in seconds; nothing if it is not finite.
-  [[nodiscard]] Result<std::optional<SensorDuration>> seconds(const CsvRow& row,
-                                                              std::size_t column) const;
+  /// A field of the row as a time; nothing if it is not finite.
+  [[nodiscard]] Result<std::optional<SensorDuration>> time(const CsvRow& row, std::size_t column,
+                                                           TimeUnit unit) const;
 
   /// A field of the row as a whole number.
   [[nodiscard]] Result<std::int64_t> integer(const CsvRow& row, std::size_t column) const;

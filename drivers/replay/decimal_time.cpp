@@ -77,12 +77,12 @@ TimeTextFault fault_of(std::string_view text) {
 
 }  // namespace
 
-tl::expected<SensorDuration, TimeTextFault> parse_seconds(std::string_view text) {
+tl::expected<SensorDuration, TimeTextFault> parse_time(std::string_view text, TimeUnit unit) {
   const bool negative = text.starts_with('-');
   const std::string_view magnitude = text.substr(negative || text.starts_with('+') ? 1 : 0);
   std::optional<Decimal> decimal = parse_decimal(magnitude);
   if (!decimal) return tl::unexpected(fault_of(magnitude));
-  decimal->exponent += kNanosecondDigits;
+  decimal->exponent += kNanosecondDigits + static_cast<int>(unit);
   const std::optional<std::int64_t> nanoseconds = round_to_integer(*decimal);
   if (!nanoseconds) return tl::unexpected(TimeTextFault::out_of_range);
   return SensorDuration(negative ? -*nanoseconds : *nanoseconds);

@@ -13,6 +13,7 @@
 
 #include "drivers/replay/decimal_time.hpp"
 #include "drivers/replay/toml_reader.hpp"
+#include "pipeline/lens/lens.hpp"
 
 namespace gimbal {
 
@@ -60,40 +61,6 @@ std::optional<SensorDuration> read_duration(TomlTable& table, std::string_view k
   return duration_from_seconds(*seconds);
 }
 
-/// K, if it is there and good.
-std::optional<Eigen::Matrix3d> read_K(TomlTable& table) {
-  const std::optional<Eigen::Matrix3d> K = table.matrix3("K");
-  if (!K) return std::nullopt;
-  if ((*K)(0, 0) <= 0 || (*K)(1, 1) <= 0) {
-    table.refuse("K", fmt::format("has focal lengths {} and {}; both must be above 0", (*K)(0, 0),
-                                  (*K)(1, 1)));
-  }
-  if ((*K)(0, 1) != 0 || (*K)(1, 0) != 0 || K->row(2) != Eigen::RowVector3d(0, 0, 1)) {
-    table.refuse("K", "is not of the form [[fx, 0, cx], [0, fy, cy], [0, 0, 1]]");
-  }
-  return K;
-}
-
-bool has_coefficients_for(LensModel model, std::size_t count) {
-  switch (model) {
-    case LensModel::pinhole:
-      return count == 0;
-    case LensModel::brown:
-      return count == 0 || count == 4 || count == 5 || count == 8;
-    case LensModel::fisheye:
-      return count == 0 || count == 4;
-  }
-  return false;
-}
-
-void read_distortion(TomlTable& table, LensParameters& lens) {
-  lens.distortion = table.numbers("distortion").value_or(std::vector<double>{});
-  if (has_coefficients_for(lens.model, lens.distortion.size())) return;
-  table.refuse("distortion",
-               fmt::format("has {} numbers; a pinhole has none, brown 4, 5 or 8, fisheye 4",
-                           lens.distortion.size()));
-}
-
 /// All of [camera] but K, whose presence decides whether the lens is calibrated.
 CameraCalibration read_camera_without_K(TomlTable& table) {
   CameraCalibration camera;
@@ -102,7 +69,7 @@ CameraCalibration read_camera_without_K(TomlTable& table) {
   camera.fps = table.number("fps").value_or(0);
   if (camera.fps < 0 || camera.fps > 1e5) table.refuse("fps", "must be between 0 and 100000");
   camera.lens.model = table.choice<LensModel>("model", kLensModels).value_or(LensModel::pinhole);
-  read_distortion(table, camera.lens);
+  camera.lens.distortion = table.numbers("distortion").value_or(std::vector<double>{});
   camera.readout = read_duration(table, "readout_s", 0, kLongestReadout_s).value_or(SensorDuration{});
   camera.readout_direction = table.choice<ReadoutDirection>("readout_direction", kDirections)
                                  .value_or(ReadoutDirection::top_down);
@@ -113,20 +80,29 @@ CameraCalibration read_camera_without_K(TomlTable& table) {
   return camera;
 }
 
-Result<void> read_camera(TomlTable& table, SessionToml& out) {
-  CameraCalibration camera = read_camera_without_K(table);
-  const std::optional<Eigen::Matrix3d> K = read_K(table);
-  if (K && (camera.size.width == 0 || camera.size.height == 0)) {
+/// Takes K into the camera, and checks the lens that it makes complete.
+void read_K(TomlTable& table, CameraCalibration& camera) {
+  const std::optional<Eigen::Matrix3d> K = table.matrix3("K");
+  if (!K) return;
+  camera.lens.K = *K;
+  if (camera.size.width == 0 || camera.size.height == 0) {
     table.refuse("K", "needs width and height, the size of picture that it is for");
   }
+  if (const Result<Lens> lens = Lens::create(camera.lens); !lens) {
+    table.refuse("K", fmt::format("or distortion cannot be used: {}", lens.error().message));
+  }
+}
+
+Result<void> read_camera(TomlTable& table, SessionToml& out) {
+  CameraCalibration camera = read_camera_without_K(table);
+  read_K(table, camera);
   if (table.error()) return tl::unexpected(*table.error());
   if (camera.readout == SensorDuration{}) {
     out.warnings.emplace_back(
         "session.toml: camera.readout_s is 0 or not given: rows count as exposed at once "
         "(gimbalctl calibrate readout finds it)");
   }
-  if (K) {
-    camera.lens.K = *K;
+  if (table.has("K")) {
     out.session.camera = std::move(camera);
   } else {
     out.warnings.emplace_back(

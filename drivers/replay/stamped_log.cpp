@@ -48,44 +48,19 @@ struct VectorRow {
   Eigen::Vector3d value;
 };
 
-/// A row t_s,x,y,z; nothing if one of them is not finite.
-Result<std::optional<VectorRow>> read_vector_row(const CsvReader& reader, const CsvRow& row) {
-  const Result<std::optional<SensorDuration>> time = reader.seconds(row, 0);
+/// A row of a time and three numbers; nothing if one of them is not finite.
+Result<std::optional<VectorRow>> read_vector_row(const CsvReader& reader, const CsvRow& row,
+                                                 const VectorLogFormat& format) {
+  const Result<std::optional<SensorDuration>> time = reader.time(row, 0, format.time_unit);
   if (!time) return tl::unexpected(time.error());
   VectorRow out{SensorTime(time->value_or(SensorDuration{})), Eigen::Vector3d::Zero()};
   for (int axis = 0; axis < 3; ++axis) {
     const Result<double> value = reader.number(row, static_cast<std::size_t>(axis) + 1);
     if (!value) return tl::unexpected(value.error());
-    out.value[axis] = *value;
+    out.value[axis] = *value * format.factor;
   }
   if (!*time || !out.value.allFinite()) return std::optional<VectorRow>();
   return std::optional(out);
-}
-
-template <typename Sample>
-Result<StampedLog<Sample>> read_vectors(const std::filesystem::path& path, double factor,
-                                        std::vector<std::string>& warnings) {
-  Result<CsvReader> reader = CsvReader::open(path, {{"t_s", "x", "y", "z"}, {}});
-  if (!reader) return tl::unexpected(reader.error());
-  StampedLog<Sample> log{path, {}, {}, 0};
-  LineTally not_finite;
-  while (true) {
-    const Result<std::optional<CsvRow>> row = reader->next();
-    if (!row) return tl::unexpected(row.error());
-    if (!*row) break;
-    const Result<std::optional<VectorRow>> vector = read_vector_row(*reader, **row);
-    if (!vector) return tl::unexpected(vector.error());
-    if (*vector) {
-      log.samples.push_back({(*vector)->time, (*vector)->value * factor});
-      log.lines.push_back((*row)->line);
-    } else {
-      not_finite.add((*row)->line);
-    }
-  }
-  report_not_finite(path, not_finite, warnings);
-  report_cut_end(path, *reader, warnings);
-  log.rows_not_finite = not_finite.count;
-  return log;
 }
 
 /// A row index,t_s[,exposure_s]; nothing if the time is not finite. An exposure that is empty, not
@@ -93,12 +68,12 @@ Result<StampedLog<Sample>> read_vectors(const std::filesystem::path& path, doubl
 Result<std::optional<FrameStamp>> read_frame_row(const CsvReader& reader, const CsvRow& row) {
   const Result<std::int64_t> index = reader.integer(row, 0);
   if (!index) return tl::unexpected(index.error());
-  const Result<std::optional<SensorDuration>> time = reader.seconds(row, 1);
+  const Result<std::optional<SensorDuration>> time = reader.time(row, 1, TimeUnit::seconds);
   if (!time) return tl::unexpected(time.error());
   if (!*time) return std::optional<FrameStamp>();
   FrameStamp stamp{*index, SensorTime(**time), std::nullopt};
   if (row.fields[2].empty()) return std::optional(stamp);
-  const Result<std::optional<SensorDuration>> exposure = reader.seconds(row, 2);
+  const Result<std::optional<SensorDuration>> exposure = reader.time(row, 2, TimeUnit::seconds);
   if (!exposure) return tl::unexpected(exposure.error());
   if (*exposure && **exposure >= SensorDuration{}) stamp.exposure = **exposure;
   return std::optional(stamp);
@@ -160,14 +135,42 @@ std::optional<std::string_view> guess_unit(double median_step_s, PlausibleStep p
 
 }  // namespace
 
+template <typename Sample>
+Result<StampedLog<Sample>> read_vectors(CsvReader& reader, const VectorLogFormat& format,
+                                        std::vector<std::string>& warnings) {
+  StampedLog<Sample> log{reader.path(), {}, {}, 0};
+  LineTally not_finite;
+  while (true) {
+    const Result<std::optional<CsvRow>> row = reader.next();
+    if (!row) return tl::unexpected(row.error());
+    if (!*row) break;
+    const Result<std::optional<VectorRow>> vector = read_vector_row(reader, **row, format);
+    if (!vector) return tl::unexpected(vector.error());
+    if (*vector) {
+      log.samples.push_back({(*vector)->time, (*vector)->value});
+      log.lines.push_back((*row)->line);
+    } else {
+      not_finite.add((*row)->line);
+    }
+  }
+  report_not_finite(log.file, not_finite, warnings);
+  report_cut_end(log.file, reader, warnings);
+  log.rows_not_finite = not_finite.count;
+  return log;
+}
+
 Result<GyroLog> read_gyro_csv(const std::filesystem::path& path,
                               std::vector<std::string>& warnings) {
-  return read_vectors<GyroSample>(path, 1.0, warnings);
+  Result<CsvReader> reader = CsvReader::open(path, {{"t_s", "x", "y", "z"}, {}});
+  if (!reader) return tl::unexpected(reader.error());
+  return read_vectors<GyroSample>(*reader, {}, warnings);
 }
 
 Result<AccelLog> read_accel_csv(const std::filesystem::path& path, double to_specific_force_m_s2,
                                 std::vector<std::string>& warnings) {
-  return read_vectors<AccelSample>(path, to_specific_force_m_s2, warnings);
+  Result<CsvReader> reader = CsvReader::open(path, {{"t_s", "x", "y", "z"}, {}});
+  if (!reader) return tl::unexpected(reader.error());
+  return read_vectors<AccelSample>(*reader, {TimeUnit::seconds, to_specific_force_m_s2}, warnings);
 }
 
 Result<FrameLog> read_frames_csv(const std::filesystem::path& path,
@@ -272,6 +275,11 @@ SensorDuration median_step(const std::vector<Sample>& samples) {
   std::nth_element(steps.begin(), middle, steps.end());
   return *middle;
 }
+
+template Result<GyroLog> read_vectors(CsvReader&, const VectorLogFormat&,
+                                      std::vector<std::string>&);
+template Result<AccelLog> read_vectors(CsvReader&, const VectorLogFormat&,
+                                       std::vector<std::string>&);
 
 template void keep_rising_stamps(StampedLog<GyroSample>&, std::vector<std::string>&);
 template Result<void> check_has_samples(const StampedLog<GyroSample>&);

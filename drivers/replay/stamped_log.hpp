@@ -7,6 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "drivers/replay/csv.hpp"
+#include "drivers/replay/decimal_time.hpp"
 #include "pipeline/sample/imu_sample.hpp"
 #include "pipeline/sample/result.hpp"
 #include "pipeline/sample/video_frame.hpp"
@@ -25,6 +27,19 @@ struct StampedLog {
 using GyroLog = StampedLog<GyroSample>;
 using AccelLog = StampedLog<AccelSample>;
 using FrameLog = StampedLog<FrameStamp>;
+
+/// How a log of vectors is written down.
+struct VectorLogFormat {
+  TimeUnit time_unit = TimeUnit::seconds;
+  double factor = 1.0;  ///< what a number has to be multiplied by
+};
+
+/// Reads rows of a time and three numbers: the first four columns of `reader`. `Sample` is GyroSample
+/// or AccelSample. Rows with values that are not finite are left out and counted in `warnings`.
+template <typename Sample>
+[[nodiscard]] Result<StampedLog<Sample>> read_vectors(CsvReader& reader,
+                                                      const VectorLogFormat& format,
+                                                      std::vector<std::string>& warnings);
 
 /// Each reads a CSV file of a session folder (SESSION_FORMAT.md). Rows with values that are not
 /// finite are left out and counted in `warnings`. Errors name file, line, column and what was found.

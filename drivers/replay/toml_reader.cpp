@@ -116,6 +116,8 @@ Result<TomlTable> TomlTable::load(const std::filesystem::path& path) {
   return TomlTable(std::move(state));
 }
 
+bool TomlTable::has(std::string_view key) const { return state_->table.contains(key); }
+
 std::optional<std::string> TomlTable::text(std::string_view key) {
   const toml::node* const node = state_->find(key);
   if (node == nullptr) return std::nullopt;

@@ -32,6 +32,7 @@ class TomlTable {
   TomlTable& operator=(TomlTable&&) noexcept;
   ~TomlTable();
 
+  [[nodiscard]] bool has(std::string_view key) const;
   [[nodiscard]] std::optional<std::string> text(std::string_view key);
   /// A string, or one of TOML's own dates, as text.
   [[nodiscard]] std::optional<std::string> date(std::string_view key);
