@@ -1,16 +1,56 @@
-#include "drivers/replay/session_checks.hpp"
+#include "drivers/replay/session_logs.hpp"
 
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <array>
+#include <string_view>
+#include <system_error>
 #include <utility>
 
 namespace gimbal {
 
 namespace {
 
+constexpr std::array<std::string_view, 3> kVideoNames{"video.mkv", "video.mp4", "video.mov"};
 constexpr double kImuGapInMedians = 5.0;
 constexpr double kFrameGapInMedians = 1.4;
+
+bool is_there(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::exists(path, ignored);
+}
+
+Result<GyroLog> read_gyro(const std::filesystem::path& path, std::vector<std::string>& warnings) {
+  if (!is_there(path)) return GyroLog{};
+  Result<GyroLog> log = read_gyro_csv(path, warnings);
+  if (!log) return log;
+  if (Result<void> usable = check_has_samples(*log); !usable) return tl::unexpected(usable.error());
+  return log;
+}
+
+/// The accelerometer is a help, not a must.
+Result<AccelLog> read_accel(const std::filesystem::path& path, double to_specific_force_m_s2,
+                            std::vector<std::string>& warnings) {
+  if (!is_there(path)) return AccelLog{};
+  std::error_code ignored;
+  const bool is_empty = std::filesystem::file_size(path, ignored) == 0;
+  Result<AccelLog> log = is_empty ? Result<AccelLog>(AccelLog{})
+                                  : read_accel_csv(path, to_specific_force_m_s2, warnings);
+  if (log && log->samples.empty()) {
+    warnings.emplace_back("accel.csv: no usable sample; taken as if there were no accelerometer");
+  }
+  return log;
+}
+
+Result<FrameLog> read_frames(const std::filesystem::path& path,
+                             std::vector<std::string>& warnings) {
+  if (!is_there(path)) return FrameLog{};
+  Result<FrameLog> log = read_frames_csv(path, warnings);
+  if (!log) return log;
+  if (Result<void> usable = check_has_samples(*log); !usable) return tl::unexpected(usable.error());
+  return log;
+}
 
 struct TimeRange {
   SensorTime first;
@@ -173,6 +213,34 @@ Result<void> adopt_frames(FrameLog log, Session& session) {
 }
 
 }  // namespace
+
+Result<SessionLogs> read_session_logs(const std::filesystem::path& folder,
+                                      double accel_to_specific_force_m_s2,
+                                      std::vector<std::string>& warnings) {
+  Result<GyroLog> gyro = read_gyro(folder / "gyro.csv", warnings);
+  if (!gyro) return tl::unexpected(gyro.error());
+  Result<AccelLog> accel =
+      read_accel(folder / "accel.csv", accel_to_specific_force_m_s2, warnings);
+  if (!accel) return tl::unexpected(accel.error());
+  Result<FrameLog> frames = read_frames(folder / "frames.csv", warnings);
+  if (!frames) return tl::unexpected(frames.error());
+  return SessionLogs{std::move(*gyro), std::move(*accel), std::move(*frames)};
+}
+
+std::filesystem::path find_session_video(const std::filesystem::path& folder,
+                                         std::vector<std::string>& warnings) {
+  std::filesystem::path video;
+  for (const std::string_view name : kVideoNames) {
+    if (!is_there(folder / name)) continue;
+    if (video.empty()) {
+      video = folder / name;
+    } else {
+      warnings.push_back(
+          fmt::format("{} is passed over: {} is there too", name, video.filename().string()));
+    }
+  }
+  return video;
+}
 
 Result<void> adopt_logs(SessionLogs logs, Session& session) {
   if (Result<void> gyro = adopt_gyro(std::move(logs.gyro), session); !gyro) return gyro;

@@ -1,0 +1,64 @@
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <iterator>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "drivers/replay/import/importer.hpp"
+
+namespace gimbal {
+
+namespace {
+
+Result<Session> read_recording(const std::filesystem::path& input) {
+  std::error_code ignored;
+  if (!std::filesystem::exists(input, ignored)) {
+    return bad_input(fmt::format("{}: no such file or folder", input.string()));
+  }
+  const auto importer = std::find_if(
+      importers().begin(), importers().end(),
+      [&](const Importer& candidate) { return candidate.recognises(input); });
+  if (importer != importers().end()) return importer->read(input);
+  std::vector<std::string_view> kinds;
+  for (const Importer& known : importers()) kinds.push_back(known.kind);
+  return bad_input(fmt::format("{}: not a recording of a known kind ({})", input.string(),
+                               fmt::join(kinds, "; ")));
+}
+
+/// Takes away what an import wrote into a folder that was empty before.
+void clear(const std::filesystem::path& folder) {
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
+    std::filesystem::remove(entry.path(), error);
+  }
+}
+
+}  // namespace
+
+std::span<const Importer> importers() {
+  static const std::array kImporters{kMetaJsonImporter, kGoProImporter, kIosLoggerImporter};
+  return kImporters;
+}
+
+Result<Session> import_session(const std::filesystem::path& input,
+                               const std::filesystem::path& folder) {
+  Result<Session> session = read_recording(input);
+  if (!session) return session;
+  if (Result<void> made = make_session_folder(folder); !made) return tl::unexpected(made.error());
+  session->folder = folder;
+  Result<Session> opened = write_session(*session).and_then([&] { return open_session(folder); });
+  if (!opened) {
+    clear(folder);
+    return opened;
+  }
+  opened->warnings.insert(opened->warnings.begin(), session->warnings.begin(),
+                          session->warnings.end());
+  return opened;
+}
+
+}  // namespace gimbal
