@@ -10,4 +10,6 @@ namespace gimbal {
 /// leaves its result in `outcome`, which outlives the app.
 using CommandOutcome = Result<void>;
 
+void add_sessions_command(CLI::App& app, CommandOutcome& outcome);
+
 }  // namespace gimbal

@@ -28,6 +28,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", GIMBALD_VERSION);
   app.require_subcommand(1);
   gimbal::CommandOutcome outcome;
+  gimbal::add_sessions_command(app, outcome);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -78,7 +78,12 @@ Result<void> copy_video(const Session& session) {
   const std::filesystem::path target = session.folder / video_name(session.video);
   std::filesystem::copy_file(session.video, target,
                              std::filesystem::copy_options::overwrite_existing, error);
-  if (!error) return {};
+  if (!error) {
+    // A recording on a read-only medium must not make a session that its owner cannot delete.
+    std::filesystem::permissions(target, std::filesystem::perms::owner_write,
+                                 std::filesystem::perm_options::add, error);
+    return {};
+  }
   return failed(fmt::format("{}: cannot be copied to {} ({})", session.video.string(),
                             target.string(), error.message()));
 }

@@ -1,9 +1,11 @@
 #include <fmt/core.h>
 
 #include <Eigen/Core>
+#include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cmath>
 #include <span>
 #include <utility>
 #include <vector>

@@ -41,7 +41,8 @@ void clear(const std::filesystem::path& folder) {
 }  // namespace
 
 std::span<const Importer> importers() {
-  static const std::array kImporters{kMetaJsonImporter, kGoProImporter, kIosLoggerImporter};
+  static const std::array kImporters{kMetaJsonImporter, kGoProImporter,
+                                     kIosLoggerImporter};
   return kImporters;
 }
 
