@@ -38,6 +38,7 @@ Result<void> ReplayCamera::start() {
   }
   format_ = {size_of(info), fps_ > 0 ? fps_ : rate_of(info), color_of((*decoder)->caps())};
   next_ = 0;
+  picture_ = 0;
   has_ended_ = false;
   frames_without_stamp_ = 0;
   stamps_without_frame_ = 0;
@@ -53,6 +54,9 @@ Result<std::optional<VideoFrame>> ReplayCamera::read() {
   if (next_ == stamps_.size()) {
     return end_of_video();
   }
+  if (auto skipped = skip_pictures_without_stamp(); !skipped) {
+    return tl::unexpected(skipped.error());
+  }
   auto sample = decoder_->next();
   if (!sample) {
     return tl::unexpected(sample.error());
@@ -62,15 +66,31 @@ Result<std::optional<VideoFrame>> ReplayCamera::read() {
   }
   auto frame = map_frame(sample->get(), stamps_[next_]);
   if (!frame) {
-    return failed(fmt::format("{}: picture {} cannot be read", video_.string(), next_));
+    return failed(fmt::format("{}: picture {} cannot be read", video_.string(), picture_));
   }
   if (frame->size != format_.size) {
     return bad_input(fmt::format("{}: picture {} is {}x{}, but the first was {}x{}",
-                                 video_.string(), next_, frame->size.width, frame->size.height,
+                                 video_.string(), picture_, frame->size.width, frame->size.height,
                                  format_.size.width, format_.size.height));
   }
   ++next_;
+  ++picture_;
   return frame;
+}
+
+/// Up to the picture that the next stamp is for, or the end.
+Result<void> ReplayCamera::skip_pictures_without_stamp() {
+  for (; picture_ < stamps_[next_].index; ++picture_) {
+    auto sample = decoder_->next();
+    if (!sample) {
+      return tl::unexpected(sample.error());
+    }
+    if (*sample == nullptr) {
+      return {};
+    }
+    ++frames_without_stamp_;
+  }
+  return {};
 }
 
 void ReplayCamera::stop() {
@@ -88,7 +108,7 @@ Result<std::optional<VideoFrame>> ReplayCamera::end_of_video() {
   warnings_ = decoder_->warnings();
   if (frames_without_stamp_ > 0) {
     warnings_.push_back(
-        fmt::format("{}: the last {} pictures have no stamp in the frame list and are left out",
+        fmt::format("{}: {} pictures have no stamp in the frame list and are left out",
                     video_.string(), frames_without_stamp_));
   }
   if (stamps_without_frame_ > 0) {

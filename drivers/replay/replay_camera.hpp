@@ -12,12 +12,13 @@ namespace gimbal {
 
 class VideoDecoder;
 
-/// The frames of a recording. The n-th decoded picture gets the n-th stamp of the recording's frame
-/// list; the video file's own times are never used. Pictures are handed over in GStreamer's memory,
+/// The frames of a recording. Each picture gets the stamp of the recording's frame list that has its
+/// place in the video as index, and is left out where there is none; the video file's own times are
+/// never used. Pictures are handed over in GStreamer's memory,
 /// not copied. `stop` may be called while another thread waits in `read`.
 class ReplayCamera final : public CameraSource {
  public:
-  /// `fps`: the nominal rate; 0 takes what the video file says.
+  /// `stamps`: indices rise. `fps`: the nominal rate; 0 takes what the video file says.
   ReplayCamera(std::filesystem::path video, std::vector<FrameStamp> stamps, double fps);
   ~ReplayCamera() override;
 
@@ -29,7 +30,7 @@ class ReplayCamera final : public CameraSource {
 
   void stop() override;
 
-  /// Pictures left out since the frame list was too short. Known once `read` gave nothing.
+  /// Pictures left out since the frame list has no stamp for them. Known once `read` gave nothing.
   [[nodiscard]] std::int64_t frames_without_stamp() const { return frames_without_stamp_; }
 
   /// Entries of the frame list for which there was no picture. Known once `read` gave nothing.
@@ -39,6 +40,7 @@ class ReplayCamera final : public CameraSource {
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:
+  [[nodiscard]] Result<void> skip_pictures_without_stamp();
   [[nodiscard]] Result<std::optional<VideoFrame>> end_of_video();
   [[nodiscard]] Result<void> count_rest();
 
@@ -47,7 +49,8 @@ class ReplayCamera final : public CameraSource {
   double fps_;
   CameraFormat format_;
   std::unique_ptr<VideoDecoder> decoder_;
-  std::size_t next_ = 0;
+  std::size_t next_ = 0;      ///< of the stamps
+  std::int64_t picture_ = 0;  ///< place in the video of the next picture
   bool has_ended_ = false;
   std::int64_t frames_without_stamp_ = 0;
   std::int64_t stamps_without_frame_ = 0;

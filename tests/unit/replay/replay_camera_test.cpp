@@ -96,5 +96,25 @@ TEST_P(LosslessVideoTest, DeliversTheVeryPixelsWithTheListsStamps) {
 INSTANTIATE_TEST_SUITE_P(Encoders, LosslessVideoTest,
                          ::testing::Values("identity", "avenc_ffv1", "x264enc pass=quant quantizer=0"));
 
+TEST(ReplayCamera, LeavesOutPicturesThatHaveNoStamp) {
+  const test::TemporaryFolder folder;
+  const auto path = folder.path() / "video.mkv";
+  make_lossless_video(path, 8, "identity ! matroskamux");
+  auto stamps = irregular_stamps(8);
+  stamps.erase(stamps.begin() + 3, stamps.begin() + 5);
+  stamps.erase(stamps.begin());
+  ReplayCamera camera(path, stamps, 0);
+  ASSERT_TRUE(camera.start());
+
+  const auto frames = read_all(camera);
+  ASSERT_EQ(frames.size(), stamps.size());
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    EXPECT_EQ(frames[i].stamp.time, stamps[i].time);
+    expect_picture(frames[i], stamps[i].index);
+  }
+  EXPECT_EQ(camera.frames_without_stamp(), 3);
+  EXPECT_EQ(camera.stamps_without_frame(), 0);
+}
+
 }  // namespace
 }  // namespace gimbal
