@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "pipeline/lens/lens.hpp"
+#include "pipeline/sample/calibration.hpp"
 #include "pipeline/sample/video_frame.hpp"
 #include "pipeline/sample/virtual_camera.hpp"
 
@@ -22,6 +23,7 @@ enum class Border : std::uint8_t {
 };
 
 /// Where a point of the source lies in the output. Both in pixels, whole at pixel centres.
+/// `output_px` is not finite where the virtual camera cannot see the point; no triangle uses that.
 struct MeshVertex {
   Eigen::Vector2f source_px;
   Eigen::Vector2f output_px;
@@ -35,13 +37,17 @@ struct WarpMesh {
   int vertex_columns = 0;
   int vertex_rows = 0;
   std::vector<MeshVertex> vertices;
-  /// Three a triangle. Triangles that reach behind the virtual camera are left out.
+  /// Three a triangle, two triangles a cell of the grid, drawn in this order: cells outside of the
+  /// frame first. Cells that reach behind the virtual camera are left out.
   std::vector<std::uint16_t> triangles;
 };
 
+/// Cells across the frame; the error of the affine pieces falls with the square of it. The default
+/// stays within 0.1 px of the exact map of a pinhole lens at 720p under violent motion (10 rad/s
+/// while 30 ms are read), and within 0.2 px with the distortion of a phone's lens on top.
 struct MeshDensity {
-  int columns = 20;
-  int rows = 20;
+  int columns = 56;
+  int rows = 32;
 };
 
 /// Orientation of the camera while the given line of the frame was exposed; see RowTiming.
@@ -49,7 +55,9 @@ using LineOrientation = std::function<Eigen::Quaterniond(double line)>;
 
 /// Thesis (2.30)-(2.32) with the orientation of every row: each vertex of a grid over the source is
 /// turned from the camera as it was at the vertex's own line, `q_world_camera(line)`, to the
-/// virtual camera. With extend or mirror the grid is larger than the frame.
+/// virtual camera. With extend or mirror the grid has one more ring of cells outside of the frame,
+/// as wide as the frame or as much of that as the virtual camera can see; its lines are taken at
+/// the frame's edge. Densities are held between 1 and 250 cells.
 [[nodiscard]] WarpMesh build_warp_mesh(const Lens& lens, ImageSize source_size,
                                        ReadoutDirection direction,
                                        const LineOrientation& q_world_camera,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -17,7 +18,8 @@ class Warper {
   Warper& operator=(const Warper&) = delete;
   virtual ~Warper() = default;
 
-  /// NV12 in, NV12 of mesh.output_size out. To be called on the thread that made the warper.
+  /// NV12 in, NV12 of mesh.output_size out; black in the frame's own range where the mesh covers
+  /// nothing. To be called, and the warper destroyed, on the thread that made the warper.
   [[nodiscard]] virtual Result<VideoFrame> warp(const VideoFrame& source, const WarpMesh& mesh) = 0;
 
   /// For reports: "gles" or "cpu", and what draws (GL_RENDERER).
@@ -28,8 +30,16 @@ class Warper {
 /// The plain twin of the GLES warper: same mesh, bilinear, one thread.
 [[nodiscard]] std::unique_ptr<Warper> make_cpu_warper();
 
-/// Fails where there is no EGL or no usable GLES 2 or 3, or where `source` or `output` is too large
-/// for the renderer.
-[[nodiscard]] Result<std::unique_ptr<Warper>> make_gles_warper(ImageSize source, ImageSize output);
+/// Which versions of OpenGL ES may be used.
+enum class GlesVersion : std::uint8_t {
+  best,   ///< 3 if there is one, else 2
+  gles2,  ///< 2 only, as on Lima and VC4
+};
+
+/// Draws with OpenGL ES on a context of its own. Fails where there is no EGL or no usable GLES 2 or
+/// 3, or where `source` or `output` is too large for the renderer. Once the context is lost, every
+/// `warp` fails: make a new warper.
+[[nodiscard]] Result<std::unique_ptr<Warper>> make_gles_warper(
+    ImageSize source, ImageSize output, GlesVersion version = GlesVersion::best);
 
 }  // namespace gimbal

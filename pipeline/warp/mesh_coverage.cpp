@@ -1,0 +1,175 @@
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "pipeline/warp/mesh_triangle.hpp"
+#include "pipeline/warp/warp_mesh.hpp"
+
+namespace gimbal {
+namespace {
+
+/// The cells of the grid that show the frame itself: inside of it and seen by the virtual camera.
+class FrameCells {
+ public:
+  explicit FrameCells(const WarpMesh& mesh)
+      : mesh_(mesh), columns_(mesh.vertex_columns - 1), rows_(mesh.vertex_rows - 1) {
+    shown_.resize(static_cast<std::size_t>(std::max(columns_, 0) * std::max(rows_, 0)));
+    for (int row = 0; row < rows_; ++row) {
+      for (int column = 0; column < columns_; ++column) {
+        shown_[index(column, row)] = shows_frame(column, row);
+      }
+    }
+  }
+
+  [[nodiscard]] int columns() const { return columns_; }
+  [[nodiscard]] int rows() const { return rows_; }
+
+  [[nodiscard]] bool shown(int column, int row) const {
+    const bool exists = column >= 0 && column < columns_ && row >= 0 && row < rows_;
+    return exists && shown_[index(column, row)];
+  }
+
+  [[nodiscard]] const MeshVertex& vertex(int column, int row) const {
+    return mesh_.vertices[static_cast<std::size_t>(row * mesh_.vertex_columns + column)];
+  }
+
+  [[nodiscard]] Eigen::Vector2d output(int column, int row) const {
+    return vertex(column, row).output_px.cast<double>();
+  }
+
+ private:
+  [[nodiscard]] std::size_t index(int column, int row) const {
+    return static_cast<std::size_t>(row * columns_ + column);
+  }
+
+  [[nodiscard]] bool in_frame(const MeshVertex& vertex) const {
+    const auto inside = [](float at, int length) {
+      return at >= -0.5F && at <= static_cast<float>(length) - 0.5F;
+    };
+    return inside(vertex.source_px.x(), mesh_.source_size.width) &&
+           inside(vertex.source_px.y(), mesh_.source_size.height);
+  }
+
+  [[nodiscard]] bool shows_frame(int column, int row) const {
+    for (const int r : {row, row + 1}) {
+      for (const int c : {column, column + 1}) {
+        if (!in_frame(vertex(c, r)) || !vertex(c, r).output_px.allFinite()) return false;
+      }
+    }
+    return true;
+  }
+
+  const WarpMesh& mesh_;
+  int columns_;
+  int rows_;
+  std::vector<bool> shown_;
+};
+
+template <typename Visit>
+void for_each_shown_cell(const FrameCells& cells, Visit&& visit) {
+  for (int row = 0; row < cells.rows(); ++row) {
+    for (int column = 0; column < cells.columns(); ++column) {
+      if (cells.shown(column, row)) visit(column, row);
+    }
+  }
+}
+
+double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+/// Whether some triangle shows its piece of the frame turned over, so that others overlap it. Only
+/// a motion faster than the readout does that.
+bool is_folded(const FrameCells& cells) {
+  bool folded = false;
+  for_each_shown_cell(cells, [&](int column, int row) {
+    const Eigen::Vector2d top_right = cells.output(column + 1, row);
+    const Eigen::Vector2d bottom_left = cells.output(column, row + 1);
+    const Eigen::Vector2d diagonal = bottom_left - top_right;
+    const double upper = cross(diagonal, cells.output(column, row) - top_right);
+    const double lower = cross(cells.output(column + 1, row + 1) - top_right, diagonal);
+    folded = folded || upper <= 0 || lower <= 0;
+  });
+  return folded;
+}
+
+/// Pixels to the left of an edge of the outline, taken with the sign of its direction.
+std::int64_t pixels_left_of(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
+                            ImageSize size) {
+  const OutputEdge edge(from, to);
+  const int y_end = first_pixel(edge.bottom().y(), size.height);
+  std::int64_t pixels = 0;
+  for (int y = first_pixel(edge.top().y(), size.height); y < y_end; ++y) {
+    pixels += first_pixel(edge.x_at(y), size.width);
+  }
+  return from.y() < to.y() ? pixels : -pixels;
+}
+
+/// The sum over all triangles of the pixels between their left and their right edges. Edges inside
+/// of the mesh cancel to the last pixel, so that only the outline is left, walked clockwise.
+std::int64_t count_inside_outline(const FrameCells& cells, ImageSize size) {
+  std::int64_t pixels = 0;
+  for_each_shown_cell(cells, [&](int column, int row) {
+    const Eigen::Vector2d top_left = cells.output(column, row);
+    const Eigen::Vector2d top_right = cells.output(column + 1, row);
+    const Eigen::Vector2d bottom_left = cells.output(column, row + 1);
+    const Eigen::Vector2d bottom_right = cells.output(column + 1, row + 1);
+    if (!cells.shown(column, row - 1)) pixels += pixels_left_of(top_left, top_right, size);
+    if (!cells.shown(column + 1, row)) pixels += pixels_left_of(top_right, bottom_right, size);
+    if (!cells.shown(column, row + 1)) pixels += pixels_left_of(bottom_right, bottom_left, size);
+    if (!cells.shown(column - 1, row)) pixels += pixels_left_of(bottom_left, top_left, size);
+  });
+  return pixels;
+}
+
+/// Spares the search most triangles; points on the box's sides are not outside.
+bool is_outside_box(const Eigen::Vector2f& point, const Eigen::Vector2f& a,
+                    const Eigen::Vector2f& b, const Eigen::Vector2f& c) {
+  return (point.array() < a.cwiseMin(b).cwiseMin(c).array()).any() ||
+         (point.array() > a.cwiseMax(b).cwiseMax(c).array()).any();
+}
+
+/// Slower, but right when triangles overlap.
+std::int64_t count_by_marking(const FrameCells& cells, ImageSize size) {
+  std::vector<std::uint8_t> covered(static_cast<std::size_t>(size.width) *
+                                    static_cast<std::size_t>(size.height));
+  const auto mark = [&](int y, int x_begin, int x_end) {
+    const auto row = covered.begin() + static_cast<std::ptrdiff_t>(y) * size.width;
+    std::fill(row + x_begin, row + x_end, std::uint8_t{1});
+  };
+  for_each_shown_cell(cells, [&](int column, int row) {
+    const MeshVertex& top_right = cells.vertex(column + 1, row);
+    const MeshVertex& bottom_left = cells.vertex(column, row + 1);
+    MeshTriangle(cells.vertex(column, row), top_right, bottom_left).for_each_span(size, mark);
+    MeshTriangle(cells.vertex(column + 1, row + 1), top_right, bottom_left)
+        .for_each_span(size, mark);
+  });
+  return std::count(covered.begin(), covered.end(), std::uint8_t{1});
+}
+
+}  // namespace
+
+std::int64_t count_border_pixels(const WarpMesh& mesh) {
+  const ImageSize size = mesh.output_size;
+  const FrameCells cells(mesh);
+  const std::int64_t covered =
+      is_folded(cells) ? count_by_marking(cells, size) : count_inside_outline(cells, size);
+  return std::int64_t{size.width} * size.height - covered;
+}
+
+std::optional<Eigen::Vector2d> source_of(const WarpMesh& mesh, const Eigen::Vector2d& output_px) {
+  const Eigen::Vector2f point = output_px.cast<float>();
+  for (std::size_t i = mesh.triangles.size(); i >= 3; i -= 3) {  // the last one drawn is seen
+    const MeshVertex& a = mesh.vertices[mesh.triangles[i - 3]];
+    const MeshVertex& b = mesh.vertices[mesh.triangles[i - 2]];
+    const MeshVertex& c = mesh.vertices[mesh.triangles[i - 1]];
+    if (is_outside_box(point, a.output_px, b.output_px, c.output_px)) continue;
+    const MeshTriangle triangle(a, b, c);
+    if (triangle.covers(output_px)) return triangle.source_at(output_px);
+  }
+  return std::nullopt;
+}
+
+}  // namespace gimbal

@@ -1,0 +1,36 @@
+#include "pipeline/warp/warp_input.hpp"
+
+#include <fmt/format.h>
+
+namespace gimbal {
+namespace {
+
+bool is_empty(ImageSize size) {
+  return size.width <= 0 || size.height <= 0;
+}
+
+bool is_grid(const WarpMesh& mesh) {
+  const auto vertices = static_cast<std::ptrdiff_t>(mesh.vertices.size());
+  return mesh.vertex_columns >= 2 && mesh.vertex_rows >= 2 &&
+         vertices == std::ptrdiff_t{mesh.vertex_columns} * mesh.vertex_rows;
+}
+
+}  // namespace
+
+Result<void> check_warp_input(const VideoFrame& source, const WarpMesh& mesh) {
+  if (is_empty(source.size) || source.planes[0].data == nullptr ||
+      source.planes[1].data == nullptr) {
+    return failed(fmt::format("warp: frame {} has no picture", source.stamp.index));
+  }
+  if (source.size != mesh.source_size) {
+    return failed(fmt::format("warp: frame {} is {}x{}, but its mesh was built for {}x{}",
+                              source.stamp.index, source.size.width, source.size.height,
+                              mesh.source_size.width, mesh.source_size.height));
+  }
+  if (is_empty(mesh.output_size) || !is_grid(mesh)) {
+    return failed(fmt::format("warp: the mesh of frame {} is empty", source.stamp.index));
+  }
+  return {};
+}
+
+}  // namespace gimbal
