@@ -43,6 +43,16 @@ Result<std::ifstream> open_regular_file(const std::filesystem::path& path) {
 
 }  // namespace
 
+std::optional<double> parse_number(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  double value = 0;
+  const char* const text_end = text.data() + text.size();
+  const auto [end, error] = std::from_chars(text.data(), text_end, value);
+  if (end != text_end || error == std::errc::invalid_argument) return std::nullopt;
+  if (error == std::errc::result_out_of_range) return std::numeric_limits<double>::infinity();
+  return value;
+}
+
 CsvReader::CsvReader(std::filesystem::path path, std::ifstream file, Columns columns,
                      char separator)
     : path_(std::move(path)),
@@ -58,13 +68,18 @@ Result<CsvReader> CsvReader::open(const std::filesystem::path& path, Columns col
   return reader;
 }
 
-Result<CsvReader> CsvReader::open_headerless(const std::filesystem::path& path, Columns columns,
+Result<CsvReader> CsvReader::open_headerless(const std::filesystem::path& path,
+                                             const std::vector<PlacedColumn>& columns,
                                              char separator) {
   Result<std::ifstream> file = open_regular_file(path);
   if (!file) return tl::unexpected(file.error());
-  CsvReader reader(path, std::move(*file), std::move(columns), separator);
-  const std::size_t count = reader.columns_.required.size() + reader.columns_.optional.size();
-  for (std::size_t i = 0; i < count; ++i) reader.positions_.emplace_back(i);
+  CsvReader reader(path, std::move(*file), {}, separator);
+  for (const PlacedColumn& column : columns) {
+    auto& names = column.presence == Presence::required ? reader.columns_.required
+                                                        : reader.columns_.optional;
+    names.push_back(column.name);
+    reader.positions_.emplace_back(column.place);
+  }
   return reader;
 }
 
@@ -150,16 +165,8 @@ Result<std::optional<CsvRow>> CsvReader::next() {
 }
 
 Result<double> CsvReader::number(const CsvRow& row, std::size_t column) const {
-  std::string_view text = row.fields[column];
-  if (text.starts_with('+')) text.remove_prefix(1);
-  double value = 0;
-  const char* const text_end = text.data() + text.size();
-  const auto [end, error] = std::from_chars(text.data(), text_end, value);
-  if (end != text_end || error == std::errc::invalid_argument) {
-    return error_at(row, column, "a number is expected");
-  }
-  if (error == std::errc::result_out_of_range) return std::numeric_limits<double>::infinity();
-  return value;
+  if (const std::optional<double> value = parse_number(row.fields[column])) return *value;
+  return error_at(row, column, "a number is expected");
 }
 
 Result<std::optional<SensorDuration>> CsvReader::time(const CsvRow& row, std::size_t column,

@@ -14,6 +14,10 @@
 
 namespace gimbal {
 
+/// A decimal number, all of `text`; "nan" and "inf" are numbers here, and so are infinite those that
+/// a double cannot hold.
+[[nodiscard]] std::optional<double> parse_number(std::string_view text);
+
 /// One line of numbers. Fields are in the order in which the columns were asked for, an optional
 /// column that the file lacks being empty; they live until the next row is read.
 struct CsvRow {
@@ -33,10 +37,18 @@ class CsvReader {
   /// Columns are found by the names in the first line, in any order; others are passed over.
   [[nodiscard]] static Result<CsvReader> open(const std::filesystem::path& path, Columns columns);
 
-  /// For logs without a header: columns are in the order given, optional ones last. A space as
-  /// separator stands for any run of spaces and tabs.
+  enum class Presence : std::uint8_t { required, optional };
+
+  struct PlacedColumn {
+    std::string name;       ///< for messages
+    std::size_t place = 0;  ///< in the line, from 0
+    Presence presence = Presence::required;
+  };
+
+  /// For logs without a header; optional columns come last. A space as separator stands for any run of spaces and tabs.
   [[nodiscard]] static Result<CsvReader> open_headerless(const std::filesystem::path& path,
-                                                         Columns columns, char separator);
+                                                         const std::vector<PlacedColumn>& columns,
+                                                         char separator);
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
 

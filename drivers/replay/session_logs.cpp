@@ -144,15 +144,15 @@ double median_magnitude_m_s2(const std::vector<AccelSample>& accel) {
 }
 
 /// Whoever holds a camera feels gravity most of the time: other magnitudes are another unit.
-void check_accel_unit(Session& session) {
+void check_accel_unit(const std::string& file, Session& session) {
   const double magnitude = median_magnitude_m_s2(session.accel);
   if (magnitude > 5 && magnitude < 20) return;
   session.warnings.push_back(fmt::format(
-      "accel.csv: median magnitude is {:.3g} m/s2 where gravity has 9.81; is imu.accel_unit right?",
-      magnitude));
+      "{}: median acceleration is {:.3g} m/s2 where gravity has 9.81; is its unit given rightly?",
+      file, magnitude));
 }
 
-void check_gyro_unit(Session& session) {
+void check_gyro_unit(const std::string& file, Session& session) {
   constexpr double kFastest_rad_s = 100;  // chips end at 4000 deg/s = 70 rad/s
   const bool too_fast = std::any_of(
       session.gyro.begin(), session.gyro.end(), [](const GyroSample& sample) {
@@ -160,7 +160,7 @@ void check_gyro_unit(Session& session) {
       });
   if (!too_fast) return;
   session.warnings.push_back(
-      fmt::format("gyro.csv: rates above {} rad/s, faster than gyros measure; are they in deg/s?",
+      fmt::format("{}: rates above {} rad/s, faster than gyros measure; are they in deg/s?", file,
                   kFastest_rad_s));
 }
 
@@ -175,7 +175,7 @@ Result<void> adopt_gyro(GyroLog log, Session& session) {
     return bad_input(fmt::format("{}: only one usable sample", log.file.string()));
   }
   session.gyro = std::move(log.samples);
-  check_gyro_unit(session);
+  check_gyro_unit(log.file.filename().string(), session);
   return {};
 }
 
@@ -184,7 +184,7 @@ Result<void> adopt_accel(AccelLog log, Session& session) {
   Result<void> prepared = prepare(log, kPlausibleImuStep, kImuGapInMedians, session.warnings);
   if (!prepared) return prepared;
   session.accel = std::move(log.samples);
-  check_accel_unit(session);
+  check_accel_unit(log.file.filename().string(), session);
   if (!session.gyro.empty()) check_accel_covers_gyro(session);
   return {};
 }

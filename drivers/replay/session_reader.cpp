@@ -3,6 +3,7 @@
 #include <system_error>
 #include <utility>
 
+#include "drivers/replay/gcsv.hpp"
 #include "drivers/replay/session.hpp"
 #include "drivers/replay/session_logs.hpp"
 #include "drivers/replay/session_toml.hpp"
@@ -52,13 +53,29 @@ Result<Session> open_session_folder(const std::filesystem::path& folder) {
   return session;
 }
 
+Result<Session> open_gyroflow_recording(const std::filesystem::path& video,
+                                        const std::filesystem::path& log) {
+  Result<std::pair<Session, SessionLogs>> recording = read_gyroflow_recording(video, log);
+  if (!recording) return tl::unexpected(recording.error());
+  auto& [session, logs] = *recording;
+  if (Result<void> adopted = adopt_logs(std::move(logs), session); !adopted) {
+    return tl::unexpected(adopted.error());
+  }
+  return std::move(session);
+}
+
 }  // namespace
 
 Result<Session> open_session(const std::filesystem::path& path) {
   if (!is_there(path)) return bad_input(fmt::format("{}: no such session", path.string()));
   std::error_code ignored;
   if (std::filesystem::is_directory(path, ignored)) return open_session_folder(path);
-  return bad_input(fmt::format("{}: not a session folder", path.string()));
+  const std::filesystem::path log = gcsv_beside(path);
+  if (!log.empty() && log != path) return open_gyroflow_recording(path, log);
+  return bad_input(fmt::format(
+      "{}: neither a session folder nor a video with a Gyroflow log (.gcsv) beside it; gimbalctl "
+      "sessions import reads other recordings",
+      path.string()));
 }
 
 }  // namespace gimbal

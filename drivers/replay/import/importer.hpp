@@ -32,7 +32,8 @@ struct Importer {
 extern const Importer kMetaJsonImporter;
 extern const Importer kGoProImporter;
 extern const Importer kIosLoggerImporter;
-extern const Importer kTextLoggerImporter;
+extern const Importer kCoreMotionLogImporter;
+extern const Importer kAndroidLogImporter;
 extern const Importer kGyroflowImporter;
 
 }  // namespace gimbal

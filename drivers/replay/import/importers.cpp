@@ -10,6 +10,8 @@
 #include <vector>
 
 #include "drivers/replay/import/importer.hpp"
+#include "drivers/replay/replay_camera.hpp"
+#include "drivers/replay/still.hpp"
 
 namespace gimbal {
 
@@ -38,11 +40,28 @@ void clear(const std::filesystem::path& folder) {
   }
 }
 
+/// The first picture, small. A video that cannot be decoded makes no session unusable.
+void write_thumbnail(Session& session) {
+  constexpr int kWidth_px = 320;
+  if (session.video.empty() || session.frames.empty()) return;
+  ReplayCamera camera(session.video, {session.frames.front()}, 0);
+  const Result<void> written =
+      camera.start()
+          .and_then([&] { return camera.read(); })
+          .and_then([&](const std::optional<VideoFrame>& frame) -> Result<void> {
+            if (!frame) return bad_input("there is no picture");
+            return write_still(*frame, session.folder / "thumbnail.jpg", kWidth_px);
+          });
+  if (written) return;
+  session.warnings.push_back(fmt::format("no thumbnail: {}", written.error().message));
+}
+
 }  // namespace
 
 std::span<const Importer> importers() {
-  static const std::array kImporters{kMetaJsonImporter, kGoProImporter,
-                                     kIosLoggerImporter};
+  static const std::array kImporters{kMetaJsonImporter,  kIosLoggerImporter,
+                                     kCoreMotionLogImporter, kGyroflowImporter,
+                                     kGoProImporter, kAndroidLogImporter};
   return kImporters;
 }
 
@@ -57,6 +76,7 @@ Result<Session> import_session(const std::filesystem::path& input,
     clear(folder);
     return opened;
   }
+  write_thumbnail(*opened);
   opened->warnings.insert(opened->warnings.begin(), session->warnings.begin(),
                           session->warnings.end());
   return opened;

@@ -11,6 +11,7 @@
 #include "drivers/replay/import/importer.hpp"
 #include "drivers/replay/import/phone.hpp"
 #include "drivers/replay/stamped_log.hpp"
+#include "drivers/replay/video_probe.hpp"
 
 namespace gimbal {
 
@@ -38,8 +39,8 @@ Result<void> read_frame(const CsvReader& reader, const CsvRow& row, LoggedFrames
 }
 
 Result<LoggedFrames> read_frames(const std::filesystem::path& path) {
-  Result<CsvReader> reader =
-      CsvReader::open_headerless(path, {{"t", "n", "fx", "fy", "cx", "cy"}, {}}, ',');
+  Result<CsvReader> reader = CsvReader::open_headerless(
+      path, {{"t", 0}, {"n", 1}, {"fx", 2}, {"fy", 3}, {"cx", 4}, {"cy", 5}}, ',');
   if (!reader) return tl::unexpected(reader.error());
   LoggedFrames frames;
   while (true) {
@@ -51,6 +52,9 @@ Result<LoggedFrames> read_frames(const std::filesystem::path& path) {
     }
   }
   if (frames.stamps.empty()) return bad_input(fmt::format("{}: no frames in it", path.string()));
+  // Some count from 1; the video's first picture is 0.
+  const std::int64_t first = frames.stamps.front().index;
+  for (FrameStamp& stamp : frames.stamps) stamp.index -= first;
   return frames;
 }
 
@@ -68,7 +72,8 @@ double spread(const std::vector<double>& values) {
 template <typename Sample>
 Result<std::vector<Sample>> read_vector_file(const std::filesystem::path& path, double factor,
                                              std::vector<std::string>& warnings) {
-  Result<CsvReader> reader = CsvReader::open_headerless(path, {{"t", "x", "y", "z"}, {}}, ',');
+  Result<CsvReader> reader =
+      CsvReader::open_headerless(path, {{"t", 0}, {"x", 1}, {"y", 2}, {"z", 3}}, ',');
   if (!reader) return tl::unexpected(reader.error());
   Result<StampedLog<Sample>> log =
       read_vectors<Sample>(*reader, {TimeUnit::seconds, factor}, warnings);
@@ -76,16 +81,15 @@ Result<std::vector<Sample>> read_vector_file(const std::filesystem::path& path, 
   return std::move(log->samples);
 }
 
-CameraCalibration camera_of(const LoggedFrames& frames) {
+/// K belongs to the size of the pictures, which only the video tells.
+Result<CameraCalibration> read_camera(const LoggedFrames& frames,
+                                      const std::filesystem::path& video) {
+  const Result<VideoInfo> info = probe_video(video);
+  if (!info) return tl::unexpected(info.error());
   const auto& [fx, fy, cx, cy] = frames.fx_fy_cx_cy;
   CameraCalibration camera;
+  camera.size = info->size;
   camera.lens.K << median(fx), 0, median(cx), 0, median(fy), median(cy), 0, 0, 1;
-  // The log has no size; the principal point is within a few pixels of the middle, and sensors
-  // deliver multiples of 16.
-  const auto whole_blocks = [](double middle_px) {
-    return 16 * static_cast<int>(std::clamp(middle_px, 0.0, 3e4) / 8 + 0.5);
-  };
-  camera.size = {whole_blocks(median(cx)), whole_blocks(median(cy))};
   const double step_s = to_seconds(median_step(frames.stamps));
   if (step_s > 0) camera.fps = 1.0 / step_s;
   return camera;
@@ -107,10 +111,14 @@ Result<Session> read_ios_logger(const std::filesystem::path& input) {
   session.device = "iOS logger";
   session.gyro = std::move(*gyro);
   session.frames = frames->stamps;
-  session.camera = camera_of(*frames);
   session.imu.R_camera_imu = R_landscape_camera_phone();
   session.imu_clock = "seconds since 1970";
   session.video = find_video(input);
+  if (!session.video.empty()) {
+    Result<CameraCalibration> camera = read_camera(*frames, session.video);
+    if (!camera) return tl::unexpected(camera.error());
+    session.camera = std::move(*camera);
+  }
   session.notes = {
       "From an iOS logger folder: the rear camera, held in landscape. Accelerometer turned from "
       "CoreMotion's sign and g.",
