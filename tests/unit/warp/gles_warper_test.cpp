@@ -1,0 +1,223 @@
+// The GLES warper against its twin on the CPU.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "pipeline/warp/warper.hpp"
+#include "tests/unit/warp/warp_scene.hpp"
+
+namespace gimbal {
+namespace {
+
+using Eigen::Vector2d;
+using testing::HasSubstr;
+using warp_scene::make_picture;
+using warp_scene::mesh_of_map;
+using warp_scene::plane_bytes;
+using warp_scene::View;
+
+struct Difference {
+  double share_above_2;  ///< of all bytes
+  int largest;
+};
+
+Difference compare(const VideoFrame& a, const VideoFrame& b, int plane) {
+  const std::vector<std::uint8_t> bytes_a = plane_bytes(a, plane);
+  const std::vector<std::uint8_t> bytes_b = plane_bytes(b, plane);
+  EXPECT_EQ(bytes_a.size(), bytes_b.size());
+  std::size_t above_2 = 0;
+  int largest = 0;
+  for (std::size_t i = 0; i < bytes_a.size(); ++i) {
+    const int difference = std::abs(bytes_a[i] - bytes_b[i]);
+    above_2 += difference > 2 ? 1U : 0U;
+    largest = std::max(largest, difference);
+  }
+  return {static_cast<double>(above_2) / static_cast<double>(bytes_a.size()), largest};
+}
+
+void expect_alike(const VideoFrame& gles, const VideoFrame& cpu, const std::string& what) {
+  ASSERT_EQ(gles.size, cpu.size);
+  for (int plane = 0; plane < 2; ++plane) {
+    const Difference difference = compare(gles, cpu, plane);
+    std::printf("%s, plane %d: %.4f %% of the bytes differ by more than 2, largest difference %d\n",
+                what.c_str(), plane, 100 * difference.share_above_2, difference.largest);
+    EXPECT_LE(difference.share_above_2, 0.001) << what << ", plane " << plane;
+  }
+}
+
+struct Case {
+  ImageSize size;
+  GlesVersion version;
+};
+
+std::string case_name(const testing::TestParamInfo<Case>& info) {
+  return std::to_string(info.param.size.width) + "x" + std::to_string(info.param.size.height) +
+         (info.param.version == GlesVersion::best ? "_best" : "_gles2");
+}
+
+class GlesAgainstCpu : public testing::TestWithParam<Case> {};
+
+TEST_P(GlesAgainstCpu, AgreesForEveryBorder) {
+  const auto [size, version] = GetParam();
+  auto gles = make_gles_warper(size, size, version);
+  ASSERT_TRUE(gles) << gles.error().message;
+  const auto cpu = make_cpu_warper();
+  const VideoFrame picture = make_picture(size, {"bt709", ChromaSiting::left});
+  for (const Border border : {Border::crop, Border::extend, Border::mirror, Border::black}) {
+    for (const View view : {View::zoomed_in, View::zoomed_out}) {
+      const WarpMesh mesh = warp_scene::shaky_mesh(size, size, border, view);
+      const auto drawn = (*gles)->warp(picture, mesh);
+      ASSERT_TRUE(drawn) << drawn.error().message;
+      const std::string what = "border " + std::to_string(static_cast<int>(border)) + ", view " +
+                               std::to_string(static_cast<int>(view));
+      expect_alike(*drawn, cpu->warp(picture, mesh).value(), what);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Sizes, GlesAgainstCpu,
+                         testing::ValuesIn(std::vector<Case>{
+                             {{480, 360}, GlesVersion::best},
+                             {{480, 360}, GlesVersion::gles2},
+                             {{640, 480}, GlesVersion::best},
+                             {{640, 480}, GlesVersion::gles2},
+                             {{1280, 720}, GlesVersion::best},
+                             {{1280, 720}, GlesVersion::gles2},
+                             {{1920, 1080}, GlesVersion::best},
+                             {{1920, 1080}, GlesVersion::gles2},
+                             {{641, 361}, GlesVersion::best},
+                             {{641, 361}, GlesVersion::gles2},
+                         }),
+                         case_name);
+
+Vector2d same(const Vector2d& source) {
+  return source;
+}
+
+class GlesWarper : public testing::TestWithParam<GlesVersion> {
+ protected:
+  [[nodiscard]] std::unique_ptr<Warper> make(ImageSize source, ImageSize output) const {
+    return make_gles_warper(source, output, GetParam()).value();
+  }
+};
+
+TEST_P(GlesWarper, IdentityIsBitForBit) {
+  for (const ImageSize size : {ImageSize{640, 480}, ImageSize{641, 361}, ImageSize{3, 5}}) {
+    const auto warper = make(size, size);
+    for (const ChromaSiting siting : {ChromaSiting::left, ChromaSiting::center}) {
+      const VideoFrame picture = make_picture(size, {"", siting});
+      const VideoFrame drawn =
+          warper->warp(picture, mesh_of_map(size, size, Border::crop, same)).value();
+      EXPECT_EQ(plane_bytes(drawn, 0), plane_bytes(picture, 0));
+      EXPECT_EQ(plane_bytes(drawn, 1), plane_bytes(picture, 1));
+    }
+  }
+}
+
+TEST_P(GlesWarper, AgreesWithCpuForOtherSizesSitingsAndRanges) {
+  const ImageSize source{641, 361};
+  const ImageSize output{355, 201};
+  const auto gles = make(source, output);
+  const auto cpu = make_cpu_warper();
+  const VideoFrame picture = make_picture(source, {"1:4:0:0", ChromaSiting::center});
+  for (const Border border : {Border::black, Border::mirror}) {
+    const WarpMesh mesh = warp_scene::shaky_mesh(source, output, border, View::zoomed_out);
+    expect_alike(gles->warp(picture, mesh).value(), cpu->warp(picture, mesh).value(), "full range");
+  }
+}
+
+TEST_P(GlesWarper, TakesAnyStride) {
+  const ImageSize size{321, 181};
+  const auto warper = make(size, size);
+  const VideoFrame picture = make_picture(size, {});
+  const WarpMesh mesh = warp_scene::shaky_mesh(size, size, Border::crop, View::zoomed_in);
+  const VideoFrame expected = warper->warp(picture, mesh).value();
+  for (const auto& [luma, chroma] : {std::pair{321, 322}, {400, 400}, {333, 323}, {-400, -350}}) {
+    const VideoFrame drawn =
+        warper->warp(warp_scene::with_strides(picture, luma, chroma), mesh).value();
+    EXPECT_EQ(plane_bytes(drawn, 0), plane_bytes(expected, 0)) << luma;
+    EXPECT_EQ(plane_bytes(drawn, 1), plane_bytes(expected, 1)) << chroma;
+  }
+}
+
+TEST_P(GlesWarper, FollowsAChangeOfSize) {
+  const auto warper = make({64, 32}, {64, 32});
+  for (const ImageSize size : {ImageSize{64, 32}, ImageSize{130, 70}, ImageSize{48, 36}}) {
+    const VideoFrame picture = make_picture(size, {});
+    const VideoFrame drawn =
+        warper->warp(picture, mesh_of_map(size, size, Border::crop, same)).value();
+    EXPECT_EQ(plane_bytes(drawn, 0), plane_bytes(picture, 0));
+  }
+}
+
+TEST_P(GlesWarper, TwoInOneThreadDoNotDisturbEachOther) {
+  const ImageSize size{64, 32};
+  const auto first = make(size, size);
+  auto second = make(size, size);
+  const VideoFrame picture = make_picture(size, {});
+  const WarpMesh mesh = mesh_of_map(size, size, Border::crop, same);
+  const auto draws_right = [&](Warper& warper) {
+    const auto drawn = warper.warp(picture, mesh);
+    return drawn && plane_bytes(*drawn, 0) == plane_bytes(picture, 0);
+  };
+  EXPECT_TRUE(draws_right(*first));
+  EXPECT_TRUE(draws_right(*second));
+  EXPECT_TRUE(draws_right(*first));
+  second.reset();
+  EXPECT_TRUE(draws_right(*first));
+}
+
+TEST_P(GlesWarper, RefusesAnotherThread) {
+  const ImageSize size{64, 32};
+  const auto warper = make(size, size);
+  const VideoFrame picture = make_picture(size, {});
+  const WarpMesh mesh = mesh_of_map(size, size, Border::crop, same);
+  std::optional<Result<VideoFrame>> drawn;
+  std::thread([&] { drawn = warper->warp(picture, mesh); }).join();
+  ASSERT_FALSE(*drawn);
+  EXPECT_EQ(drawn->error().kind, Error::Kind::failed);
+  EXPECT_TRUE(warper->warp(picture, mesh)) << "its own thread still has it";
+}
+
+TEST_P(GlesWarper, SaysThatAFrameIsTooLarge) {
+  const auto wide = make_gles_warper({1 << 20, 16}, {64, 32}, GetParam());
+  ASSERT_FALSE(wide);
+  EXPECT_EQ(wide.error().kind, Error::Kind::failed);
+  EXPECT_THAT(wide.error().message, HasSubstr("the frame of 1048576x16 is too large"));
+  const auto tall = make_gles_warper({64, 32}, {64, 1 << 20}, GetParam());
+  ASSERT_FALSE(tall);
+  EXPECT_THAT(tall.error().message, HasSubstr("the output of 64x1048576 is too large"));
+  EXPECT_FALSE(make_gles_warper({0, 32}, {64, 32}, GetParam()));
+}
+
+TEST_P(GlesWarper, RefusesAMeshMadeForAnotherFrame) {
+  const auto warper = make({64, 32}, {64, 32});
+  const WarpMesh mesh = mesh_of_map({32, 32}, {64, 32}, Border::crop, same);
+  EXPECT_FALSE(warper->warp(make_picture({64, 32}, {}), mesh));
+}
+
+TEST_P(GlesWarper, NamesItsRenderer) {
+  const auto warper = make({64, 32}, {64, 32});
+  EXPECT_EQ(warper->name(), "gles");
+  EXPECT_FALSE(warper->renderer().empty());
+  std::printf("GL_RENDERER: %s\n", warper->renderer().c_str());
+}
+
+INSTANTIATE_TEST_SUITE_P(Versions, GlesWarper,
+                         testing::Values(GlesVersion::best, GlesVersion::gles2),
+                         [](const auto& version) {
+                           return version.param == GlesVersion::best ? "best" : "gles2";
+                         });
+
+}  // namespace
+}  // namespace gimbal
