@@ -100,9 +100,13 @@ void ThesisEkf::measurement_update(const Eigen::Vector3d& accel_m_s2, SensorDura
 }
 
 void ThesisEkf::restart_covariance() {
-  // A quaternion changes by half the angle, and not at all along itself: its length is known.
-  const double sigma = 0.5 * parameters_.initial_sigma_rad;
-  P_ = sigma * sigma * (Eigen::Matrix4d::Identity() - q_ * q_.transpose());
+  // A quaternion changes by half the angle. It does not change along itself, where only its length
+  // would, nor along what heading does to it: heading is arbitrary, so it starts without error.
+  const double sigma = 0.5 * parameters_.initial_tilt_sigma_rad;
+  const QuaternionVector along_heading(-q_(3), -q_(2), q_(1), q_(0));  // (0, 0, 0, 1) q
+  P_ = sigma * sigma *
+       (Eigen::Matrix4d::Identity() - q_ * q_.transpose() -
+        along_heading * along_heading.transpose());
 }
 
 Attitude ThesisEkf::predict(SensorTime time) const {
