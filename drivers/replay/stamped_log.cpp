@@ -4,9 +4,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <functional>
 #include <iterator>
-#include <limits>
 #include <utility>
 
 #include "drivers/replay/csv.hpp"
@@ -79,27 +78,37 @@ Result<std::optional<FrameStamp>> read_frame_row(const CsvReader& reader, const 
   return std::optional(stamp);
 }
 
-/// Marks the members of a longest strictly rising subsequence (patience sorting, O(n log n)).
+/// For each sample the length of the longest rising run that begins with it (patience sorting from
+/// the end, O(n log n)).
 template <typename Sample>
-std::vector<bool> mark_longest_rise(const std::vector<Sample>& samples) {
-  constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
-  std::vector<std::size_t> tails;  // tails[k]: the earliest end of a rising run of k + 1 samples
-  std::vector<std::size_t> previous(samples.size(), kNone);
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    const auto place = std::lower_bound(tails.begin(), tails.end(), samples[i].time,
-                                        [&](std::size_t tail, SensorTime time) {
-                                          return samples[tail].time < time;
-                                        });
-    if (place != tails.begin()) previous[i] = *std::prev(place);
-    if (place == tails.end()) {
-      tails.push_back(i);
-    } else if (samples[i].time < samples[*place].time) {
-      *place = i;  // of equal stamps the first stays
+std::vector<std::size_t> longest_rises(const std::vector<Sample>& samples) {
+  std::vector<SensorTime> heads;  // heads[k]: the latest stamp that a run of k + 1 samples begins with
+  std::vector<std::size_t> lengths(samples.size());
+  for (std::size_t i = samples.size(); i-- > 0;) {
+    const auto place = std::lower_bound(heads.begin(), heads.end(), samples[i].time, std::greater<>());
+    lengths[i] = static_cast<std::size_t>(place - heads.begin()) + 1;
+    if (place == heads.end()) {
+      heads.push_back(samples[i].time);
+    } else {
+      *place = samples[i].time;
     }
   }
+  return lengths;
+}
+
+/// Marks a longest rising run; of several the one that keeps earlier samples, so that of two stamps
+/// of which one has to go it is the one that stepped back.
+template <typename Sample>
+std::vector<bool> mark_longest_rise(const std::vector<Sample>& samples) {
+  const std::vector<std::size_t> lengths = longest_rises(samples);
   std::vector<bool> marked(samples.size(), false);
-  for (std::size_t i = tails.empty() ? kNone : tails.back(); i != kNone; i = previous[i]) {
+  std::size_t wanted = lengths.empty() ? 0 : *std::max_element(lengths.begin(), lengths.end());
+  std::optional<SensorTime> last;
+  for (std::size_t i = 0; i < samples.size() && wanted > 0; ++i) {
+    if (lengths[i] != wanted || (last && samples[i].time <= *last)) continue;
     marked[i] = true;
+    last = samples[i].time;
+    --wanted;
   }
   return marked;
 }

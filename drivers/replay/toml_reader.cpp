@@ -18,11 +18,15 @@ namespace gimbal {
 
 namespace {
 
-/// Any node as it would be written, for messages.
+/// A node for messages, on one line.
 std::string as_written(const toml::node& node) {
+  if (const auto text = node.value_exact<std::string>()) return in_quotes(*text);
   std::ostringstream out;
   node.visit([&](const auto& value) { out << value; });
-  return in_quotes(std::move(out).str());
+  std::istringstream words(out.str());
+  std::string line;
+  for (std::string word; words >> word;) line += line.empty() ? word : " " + word;
+  return in_quotes(line);
 }
 
 std::optional<std::vector<double>> as_numbers(const toml::node& node) {
@@ -74,13 +78,14 @@ Result<std::string> read_text(const std::filesystem::path& path) {
 struct TomlTable::State {
   std::string file;
   std::string prefix;  ///< "camera." for keys of [camera]
-  toml::table table;
+  std::shared_ptr<const toml::table> document;
+  const toml::table* table = nullptr;  ///< in the document: a copy would forget its lines
   std::vector<std::string> asked_for;
   std::optional<Error> error;
 
   const toml::node* find(std::string_view key) {
     asked_for.emplace_back(key);
-    return table.get(key);
+    return table->get(key);
   }
 
   void keep_fault(const toml::node& node, std::string_view key, std::string_view complaint) {
@@ -106,7 +111,8 @@ Result<TomlTable> TomlTable::load(const std::filesystem::path& path) {
   auto state = std::make_unique<State>();
   state->file = path.string();
   try {
-    state->table = toml::parse(*text);
+    state->document = std::make_shared<const toml::table>(toml::parse(*text));
+    state->table = state->document.get();
   } catch (const toml::parse_error& error) {
     std::string reason(error.description());
     std::replace(reason.begin(), reason.end(), '\n', ' ');
@@ -116,7 +122,7 @@ Result<TomlTable> TomlTable::load(const std::filesystem::path& path) {
   return TomlTable(std::move(state));
 }
 
-bool TomlTable::has(std::string_view key) const { return state_->table.contains(key); }
+bool TomlTable::has(std::string_view key) const { return state_->table->contains(key); }
 
 std::optional<std::string> TomlTable::text(std::string_view key) {
   const toml::node* const node = state_->find(key);
@@ -194,13 +200,14 @@ std::optional<TomlTable> TomlTable::table(std::string_view key) {
   auto state = std::make_unique<State>();
   state->file = state_->file;
   state->prefix = fmt::format("{}{}.", state_->prefix, key);
-  state->table = *inner;
+  state->document = state_->document;
+  state->table = inner;
   return TomlTable(std::move(state));
 }
 
 void TomlTable::refuse(std::string_view key, std::string_view complaint) {
-  const toml::node* const node = state_->table.get(key);
-  state_->keep_fault(node != nullptr ? *node : state_->table, key, complaint);
+  const toml::node* const node = state_->table->get(key);
+  state_->keep_fault(node != nullptr ? *node   : *state_->table, key, complaint);
 }
 
 void TomlTable::refuse_word(std::string_view key, std::string_view word,
@@ -213,7 +220,7 @@ const std::optional<Error>& TomlTable::error() const { return state_->error; }
 std::vector<std::string> TomlTable::unknown_keys() const {
   constexpr std::size_t kNear = 3;
   std::vector<std::string> warnings;
-  for (const auto& [key, node] : state_->table) {
+  for (const auto& [key, node] : *state_->table) {
     const std::string_view name = key.str();
     const auto distance = [&](const std::string& known) { return edit_distance(name, known); };
     const auto& known = state_->asked_for;
