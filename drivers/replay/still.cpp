@@ -37,7 +37,7 @@ ImageSize scaled(ImageSize size, std::optional<int> width) {
 }
 
 void feed(const GstPipelinePtr& pipeline, const VideoFrame& frame) {
-  const GstElementPtr source(gst_bin_get_by_name(GST_BIN(pipeline.get()), "picture"));
+  const GstElementPtr source = element_named(pipeline, "picture");
   const GstCapsPtr caps = nv12_caps(frame.size, 0, frame.color);
   g_object_set(source.get(), "caps", caps.get(), "format", GST_FORMAT_TIME, nullptr);
   GstBufferPtr buffer = wrap_frame(frame);
@@ -76,7 +76,7 @@ Result<void> write_still(const VideoFrame& frame, const std::filesystem::path& p
   if (!pipeline) {
     return tl::unexpected(pipeline.error());
   }
-  const GstElementPtr file(gst_bin_get_by_name(GST_BIN(pipeline->get()), "file"));
+  const GstElementPtr file = element_named(*pipeline, "file");
   g_object_set(file.get(), "location", path.c_str(), nullptr);
   feed(*pipeline, frame);
   return run_to_end(*pipeline, path);

@@ -57,10 +57,6 @@ GstPadProbeReturn accept_strides(GstPad* /*pad*/, GstPadProbeInfo* info, gpointe
   return GST_PAD_PROBE_HANDLED;
 }
 
-GstElementPtr child(const GstPipelinePtr& pipeline, const char* name) {
-  return GstElementPtr(gst_bin_get_by_name(GST_BIN(pipeline.get()), name));
-}
-
 }  // namespace
 
 VideoDecoder::VideoDecoder(std::filesystem::path path, std::chrono::milliseconds patience)
@@ -88,10 +84,10 @@ Result<void> VideoDecoder::start() {
     return tl::unexpected(pipeline.error());
   }
   pipeline_ = *std::move(pipeline);
-  sink_ = child(pipeline_, "pictures");
-  g_object_set(child(pipeline_, "file").get(), "location", path_.c_str(), nullptr);
-  const GstElementPtr decoder = child(pipeline_, "decoder");
-  const GstElementPtr convert = child(pipeline_, "convert");
+  sink_ = element_named(pipeline_, "pictures");
+  g_object_set(element_named(pipeline_, "file").get(), "location", path_.c_str(), nullptr);
+  const GstElementPtr decoder = element_named(pipeline_, "decoder");
+  const GstElementPtr convert = element_named(pipeline_, "convert");
   g_signal_connect(decoder.get(), "autoplug-continue", G_CALLBACK(wants_decoding), nullptr);
   g_signal_connect(decoder.get(), "pad-added", G_CALLBACK(link_first_video), convert.get());
   g_signal_connect(decoder.get(), "no-more-pads", G_CALLBACK(note_all_streams_known),
@@ -152,7 +148,8 @@ bool VideoDecoder::is_at_end() const {
 }
 
 bool VideoDecoder::has_video() const {
-  const GstPadPtr pad(gst_element_get_static_pad(child(pipeline_, "convert").get(), "sink"));
+  const GstPadPtr pad(
+      gst_element_get_static_pad(element_named(pipeline_, "convert").get(), "sink"));
   return gst_pad_is_linked(pad.get()) != FALSE;
 }
 

@@ -156,9 +156,9 @@ Result<VideoInfo> probe_video(const std::filesystem::path& path) {
   if (!pipeline) {
     return tl::unexpected(pipeline.error());
   }
-  const GstElementPtr file(gst_bin_get_by_name(GST_BIN(pipeline->get()), "file"));
+  const GstElementPtr file = element_named(*pipeline, "file");
   g_object_set(file.get(), "location", path.c_str(), nullptr);
-  const GstElementPtr parser(gst_bin_get_by_name(GST_BIN(pipeline->get()), "parser"));
+  const GstElementPtr parser = element_named(*pipeline, "parser");
   g_signal_connect(parser.get(), "pad-added", G_CALLBACK(take_stream), &scan);
   std::string damage = run_to_end(*pipeline, scan);
   pipeline->reset();  // its threads are done with the scan then

@@ -123,15 +123,16 @@ std::string_view package_of_element(std::string_view element) {
 std::string missing_element_text(std::string_view element) {
   const std::string_view package = package_of_element(element);
   if (package.empty()) {
-    return fmt::format("GStreamer has no element \"{}\" here: check its name, or install its plugin",
-                       element);
+    return fmt::format(
+        "GStreamer has no element \"{}\" here: check its name, or install its plugin", element);
   }
   return fmt::format("GStreamer's element {} is not installed: apt install {}", element, package);
 }
 
 std::string missing_plugin_text(GstMessage* message) {
   const GlibText what(gst_missing_plugin_message_get_description(message), g_free);
-  return fmt::format("GStreamer has no \"{}\" here: apt install {}, or {}", what.get(), kLibav, kBad);
+  return fmt::format("GStreamer has no \"{}\" here: apt install {}, or {}", what.get(), kLibav,
+                     kBad);
 }
 
 }  // namespace gimbal

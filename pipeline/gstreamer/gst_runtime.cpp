@@ -9,10 +9,13 @@
 namespace gimbal {
 namespace {
 
-void print_to_stderr(const gchar* text) { std::fputs(text, stderr); }
+void print_to_stderr(const gchar* text) {
+  std::fputs(text, stderr);
+}
 
 /// GLib's own handler puts debugging output, where the user asks for it, on standard output.
-void log_to_stderr(const gchar* domain, GLogLevelFlags level, const gchar* text, gpointer /*data*/) {
+void log_to_stderr(const gchar* domain, GLogLevelFlags level, const gchar* text,
+                   gpointer /*data*/) {
   if (!g_log_writer_default_would_drop(level, domain)) {
     fmt::print(stderr, "{}: {}\n", domain == nullptr ? "GLib" : domain, text);
   }
@@ -59,6 +62,10 @@ Result<GstPipelinePtr> parse_pipeline(const std::string& text) {
   }
   gst_object_ref_sink(pipeline.get());
   return pipeline;
+}
+
+GstElementPtr element_named(const GstPipelinePtr& pipeline, const char* name) {
+  return GstElementPtr(gst_bin_get_by_name(GST_BIN(pipeline.get()), name));
 }
 
 bool is_element_installed(const char* element) {

@@ -45,6 +45,9 @@ using GstPipelinePtr = std::unique_ptr<GstElement, GstPipelineStop>;
 /// bad_input, with the package that brings it.
 [[nodiscard]] Result<GstPipelinePtr> parse_pipeline(const std::string& text);
 
+/// An element of the pipeline by its name in the text; it must be there.
+[[nodiscard]] GstElementPtr element_named(const GstPipelinePtr& pipeline, const char* name);
+
 [[nodiscard]] bool is_element_installed(const char* element);
 
 }  // namespace gimbal

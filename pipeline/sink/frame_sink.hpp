@@ -27,8 +27,9 @@ class FrameSink {
   /// unfinished.
   [[nodiscard]] virtual Result<void> finish() = 0;
 
-  /// What is written otherwise than asked, a line each; known once the sink is open.
-  [[nodiscard]] virtual const std::vector<std::string>& warnings() const = 0;
+  /// What is written otherwise than asked, such as audio left out, a line each; complete after
+  /// `finish`.
+  [[nodiscard]] virtual std::vector<std::string> warnings() const = 0;
 };
 
 /// The pictures that a sink will get.

@@ -14,17 +14,6 @@ namespace {
 /// Enough to keep an encoder busy while the next frame is drawn; more would only cost memory.
 constexpr std::size_t kQueuedFrames = 4;
 
-GstBusSyncReply note_message(GstBus* /*bus*/, GstMessage* message, gpointer user_data) {
-  auto& progress = *static_cast<StreamProgress*>(user_data);
-  if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR) {
-    progress.failed_with(message_text(message));
-  } else if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_EOS) {
-    progress.ended();
-  }
-  gst_message_unref(message);
-  return GST_BUS_DROP;
-}
-
 GstPadProbeReturn note_data(GstPad* /*pad*/, GstPadProbeInfo* /*info*/, gpointer user_data) {
   static_cast<StreamProgress*>(user_data)->data_arrived();
   return GST_PAD_PROBE_OK;
@@ -92,8 +81,9 @@ GstreamerSink::GstreamerSink(SinkPipeline target, const SinkFormat& format)
     : format_(format),
       remains_(std::move(target.remains)),
       warnings_(std::move(target.warnings)),
+      audio_(std::move(target.audio)),
       progress_(target.patience),
-      source_(gst_bin_get_by_name(GST_BIN(target.pipeline.get()), kFrameSourceName)),
+      source_(element_named(target.pipeline, kFrameSourceName)),
       pipeline_(std::move(target.pipeline)) {
   const GstCapsPtr caps = nv12_caps(format_.size, format_.fps, format_.color);
   gate_ = std::make_unique<FrameGate>(FrameGate{progress_, {}, std::nullopt});
@@ -117,11 +107,24 @@ Result<std::unique_ptr<FrameSink>> GstreamerSink::start(SinkPipeline target,
   return std::unique_ptr<FrameSink>(std::move(sink));
 }
 
+GstBusSyncReply GstreamerSink::on_message(GstBus* /*bus*/, GstMessage* message, gpointer sink) {
+  auto& self = *static_cast<GstreamerSink*>(sink);
+  if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_EOS) {
+    self.progress_.ended();
+  } else if (GST_MESSAGE_TYPE(message) == GST_MESSAGE_ERROR &&
+             !(self.audio_ && self.audio_->takes_error(message))) {
+    self.progress_.failed_with(message_text(message));
+  }
+  gst_message_unref(message);
+  return GST_BUS_DROP;
+}
+
 void GstreamerSink::watch() {
   const GstBusPtr bus(gst_element_get_bus(pipeline_.get()));
-  gst_bus_set_sync_handler(bus.get(), note_message, &progress_, nullptr);
+  gst_bus_set_sync_handler(bus.get(), on_message, this, nullptr);
   const GstPadPtr pad(gst_element_get_static_pad(source_.get(), "src"));
-  gst_pad_add_probe(pad.get(), GST_PAD_PROBE_TYPE_BUFFER, FrameGate::on_frame, gate_.get(), nullptr);
+  gst_pad_add_probe(pad.get(), GST_PAD_PROBE_TYPE_BUFFER, FrameGate::on_frame, gate_.get(),
+                    nullptr);
   GstIterator* sinks = gst_bin_iterate_sinks(GST_BIN(pipeline_.get()));
   gst_iterator_foreach(sinks, watch_sink, &progress_);
   gst_iterator_free(sinks);
@@ -172,6 +175,14 @@ Result<void> GstreamerSink::finish() {
   auto ended = progress_.wait_for_end();
   gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
   return explain(ended ? progress_.state() : ended);
+}
+
+std::vector<std::string> GstreamerSink::warnings() const {
+  std::vector<std::string> warnings = warnings_;
+  if (audio_ && audio_->has_failed()) {
+    warnings.emplace_back("the recording's audio could not be read to its end");
+  }
+  return warnings;
 }
 
 Result<void> GstreamerSink::explain(Result<void> result) const {

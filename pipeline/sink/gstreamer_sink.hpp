@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "pipeline/gstreamer/gst_runtime.hpp"
+#include "pipeline/sink/audio_branch.hpp"
 #include "pipeline/sink/frame_sink.hpp"
 #include "pipeline/sink/stream_progress.hpp"
 
@@ -18,6 +19,7 @@ struct SinkPipeline {
   /// What remains if writing fails, such as "out.mp4 is incomplete and will not play".
   std::string remains;
   std::vector<std::string> warnings;
+  std::unique_ptr<AudioBranch> audio;  ///< may be null
   /// How long the pipeline may stand still before that is an error.
   std::chrono::milliseconds patience = std::chrono::seconds(60);
 };
@@ -27,8 +29,8 @@ inline constexpr const char* kFrameSourceName = "gimbald_frames";
 /// Feeds frames into a pipeline without copying them.
 class GstreamerSink final : public FrameSink {
  public:
-  /// Starts the pipeline. Frames may be larger than `format.size` by a column and a row on the right
-  /// and at the bottom, which are left out.
+  /// Starts the pipeline. Frames may be larger than `format.size` by a column and a row on the
+  /// right and at the bottom, which are left out.
   [[nodiscard]] static Result<std::unique_ptr<FrameSink>> start(SinkPipeline target,
                                                                 const SinkFormat& format);
 
@@ -36,7 +38,7 @@ class GstreamerSink final : public FrameSink {
 
   [[nodiscard]] Result<void> write(const VideoFrame& frame) override;
   [[nodiscard]] Result<void> finish() override;
-  [[nodiscard]] const std::vector<std::string>& warnings() const override { return warnings_; }
+  [[nodiscard]] std::vector<std::string> warnings() const override;
 
  private:
   /// What becomes of a frame on its way out of the queue, on the pipeline's thread.
@@ -44,6 +46,7 @@ class GstreamerSink final : public FrameSink {
 
   GstreamerSink(SinkPipeline target, const SinkFormat& format);
 
+  static GstBusSyncReply on_message(GstBus* bus, GstMessage* message, gpointer sink);
   void watch();
   [[nodiscard]] Result<void> check(const VideoFrame& frame) const;
   [[nodiscard]] Result<void> explain(Result<void> result) const;
@@ -51,6 +54,7 @@ class GstreamerSink final : public FrameSink {
   SinkFormat format_;
   std::string remains_;
   std::vector<std::string> warnings_;
+  std::unique_ptr<AudioBranch> audio_;
   StreamProgress progress_;
   std::unique_ptr<FrameGate> gate_;
   std::optional<SensorTime> first_time_;

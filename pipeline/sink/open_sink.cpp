@@ -22,7 +22,8 @@ std::string lower_case_extension(const std::filesystem::path& path) {
 
 Result<std::unique_ptr<FrameSink>> open_pipeline(const std::string& text, const SinkFormat& format,
                                                  std::vector<std::string> warnings) {
-  auto pipeline = parse_pipeline(fmt::format("appsrc name={} ! videoconvert ! {}", kFrameSourceName, text));
+  auto pipeline =
+      parse_pipeline(fmt::format("appsrc name={} ! videoconvert ! {}", kFrameSourceName, text));
   if (!pipeline) {
     return tl::unexpected(pipeline.error());
   }
@@ -60,9 +61,10 @@ Result<std::unique_ptr<FrameSink>> open_sink(const std::string& out, const SinkF
   if (extension == ".mp4" || extension == ".mkv") {
     return open_video_file(out, format, audio);
   }
-  return bad_input(fmt::format(
-      "{}: cannot tell what to write: end it in .mp4, .mkv or .y4m, or give - or a pipeline with \" ! \"",
-      out));
+  return bad_input(
+      fmt::format("{}: cannot tell what to write: end it in .mp4, .mkv or .y4m, or give - or a "
+                  "pipeline with \" ! \"",
+                  out));
 }
 
 }  // namespace gimbal

@@ -2,105 +2,93 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <string>
 #include <utility>
-#include <vector>
 
-#include "pipeline/gstreamer/gst_messages.hpp"
 #include "pipeline/gstreamer/gst_runtime.hpp"
+#include "pipeline/sink/audio_branch.hpp"
 #include "pipeline/sink/gstreamer_sink.hpp"
+#include "pipeline/sink/video_encoder.hpp"
 
 namespace gimbal {
 namespace {
 
-struct Encoder {
-  const char* element;
-  std::string text;
-};
-
-/// Enough that coding is not seen: about 8 Mbit/s for 1280x720 at 30 fps.
-int bits_per_second(const SinkFormat& format) {
-  constexpr double kBitsPerPixel = 0.3;
-  const double fps = format.fps > 0 ? format.fps : 30;
-  return static_cast<int>(kBitsPerPixel * format.size.width * format.size.height * fps);
-}
-
-/// In order of preference. With a capacity the rate buffer would cap the quality asked of x264.
-std::array<Encoder, 3> encoders(const SinkFormat& format) {
-  const int bitrate = bits_per_second(format);
-  return {{
-      {"x264enc",
-       "x264enc pass=qual quantizer=20 speed-preset=veryfast bframes=0 vbv-buf-capacity=0"},
-      {"openh264enc",
-       fmt::format("openh264enc rate-control=bitrate bitrate={} complexity=high ! h264parse",
-                   bitrate)},
-      {"v4l2h264enc",
-       fmt::format("v4l2h264enc extra-controls=\"controls,video_bitrate={}\" "
-                   "! video/x-h264,level=(string)4 ! h264parse",
-                   bitrate)},
-  }};
-}
-
-Result<std::string> choose_encoder(const SinkFormat& format) {
-  for (const Encoder& encoder : encoders(format)) {
-    if (is_element_installed(encoder.element)) {
-      return encoder.text;
-    }
-  }
-  return bad_input(fmt::format("no H.264 encoder: {}", missing_element_text("x264enc")));
-}
-
 struct Container {
   const char* muxer;
-  const char* remains;  ///< of a file whose writing failed
+  const char* settings;
+  const char* remains;  ///< what becomes of the file if writing fails
 };
 
+/// The muxers' own choice of time scale rounds to the nominal rate (.mp4) or to 1 ms (.mkv). A
+/// Matroska cluster spans at most 32767 ticks of its scale.
 Container container_of(const std::filesystem::path& path) {
   if (path.extension() == ".mp4") {
-    return {"mp4mux trak-timescale=90000", "is incomplete and will not play"};
+    return {"mp4mux", "trak-timescale=90000", "is incomplete and will not play"};
   }
-  return {"matroskamux timecodescale=100000 max-cluster-duration=3000000000",
-          "plays up to the failure only"};
+  return {"matroskamux", "timecodescale=100000 max-cluster-duration=3000000000",
+          "ends where writing failed"};
 }
 
-ImageSize even(ImageSize size) { return {size.width / 2 * 2, size.height / 2 * 2}; }
+ImageSize even(ImageSize size) {
+  return {size.width / 2 * 2, size.height / 2 * 2};
+}
+
+std::string size_warning(const std::filesystem::path& path, ImageSize given, ImageSize written) {
+  return fmt::format(
+      "{}: H.264 has even sizes only: written as {}x{}, without the last column or row of {}x{}",
+      path.string(), written.width, written.height, given.width, given.height);
+}
+
+Result<std::unique_ptr<FrameSink>> start_file(const std::filesystem::path& path,
+                                              const SinkFormat& format, std::string_view encoder,
+                                              const std::optional<AudioTrack>& audio,
+                                              SinkPipeline target) {
+  const Container container = container_of(path);
+  const AudioPlan plan = audio ? plan_audio(*audio, container.muxer) : AudioPlan{};
+  auto pipeline = parse_pipeline(
+      fmt::format("appsrc name={} ! videoconvert ! {} ! muxer.video_0 {} name=muxer {} ! filesink "
+                  "name=file {}",
+                  kFrameSourceName, encoder, container.muxer, container.settings, plan.text));
+  if (!pipeline) {
+    return tl::unexpected(pipeline.error());
+  }
+  g_object_set(element_named(*pipeline, "file").get(), "location", path.c_str(), nullptr);
+  if (!plan.text.empty()) {
+    target.audio = std::make_unique<AudioBranch>(*pipeline, *audio);
+  }
+  if (!plan.warning.empty()) {
+    target.warnings.push_back(plan.warning);
+  }
+  target.pipeline = *std::move(pipeline);
+  target.remains = fmt::format("{} {}", path.string(), container.remains);
+  return GstreamerSink::start(std::move(target), format);
+}
 
 }  // namespace
 
 Result<std::unique_ptr<FrameSink>> open_video_file(const std::filesystem::path& path,
                                                    const SinkFormat& format,
                                                    const std::optional<AudioTrack>& audio) {
-  static_cast<void>(audio);
   SinkFormat encoded = format;
   encoded.size = even(format.size);
   if (encoded.size.width == 0 || encoded.size.height == 0) {
-    return bad_input(fmt::format("{}x{} is too small for a video", format.size.width,
-                                 format.size.height));
+    return bad_input(fmt::format("{}: {}x{} is too small for H.264", path.string(),
+                                 format.size.width, format.size.height));
   }
-  auto encoder = choose_encoder(encoded);
+  std::error_code ignored;
+  if (audio && std::filesystem::equivalent(path, audio->file, ignored)) {
+    return bad_input(
+        fmt::format("{} is the recording itself: write to another file", path.string()));
+  }
+  const auto encoder = choose_video_encoder(encoded);
   if (!encoder) {
     return tl::unexpected(encoder.error());
   }
-  const Container container = container_of(path);
-  auto pipeline =
-      parse_pipeline(fmt::format("appsrc name={} ! videoconvert ! {} ! {} name=muxer ! filesink name=file",
-                                 kFrameSourceName, *encoder, container.muxer));
-  if (!pipeline) {
-    return tl::unexpected(pipeline.error());
-  }
-  const GstElementPtr file(gst_bin_get_by_name(GST_BIN(pipeline->get()), "file"));
-  g_object_set(file.get(), "location", path.c_str(), nullptr);
   SinkPipeline target;
-  target.pipeline = *std::move(pipeline);
-  target.remains = fmt::format("{} {}", path.string(), container.remains);
   if (encoded.size != format.size) {
-    target.warnings.push_back(fmt::format(
-        "{}: H.264 has even sizes only: written as {}x{}, without the last column or row of {}x{}",
-        path.string(), encoded.size.width, encoded.size.height, format.size.width,
-        format.size.height));
+    target.warnings.push_back(size_warning(path, format.size, encoded.size));
   }
-  return GstreamerSink::start(std::move(target), encoded);
+  return start_file(path, encoded, encoder->text, audio, std::move(target));
 }
 
 }  // namespace gimbal

@@ -15,8 +15,9 @@
 namespace gimbal {
 namespace {
 
-/// Writing to a pipe without a reader then fails with EPIPE instead of ending the process. Only this
-/// thread, and only for as long as the object lives: what the process does with SIGPIPE is its own.
+/// Writing to a pipe without a reader then fails with EPIPE instead of ending the process. Only
+/// this thread, and only for as long as the object lives: what the process does with SIGPIPE is its
+/// own.
 class PipeSignalBlock {
  public:
   PipeSignalBlock() {
@@ -128,7 +129,9 @@ Result<std::unique_ptr<FrameSink>> Y4mSink::open_stdout(const SinkFormat& format
       new Y4mSink(STDOUT_FILENO, "standard output", format, std::move(warnings)));
 }
 
-Y4mSink::~Y4mSink() { static_cast<void>(close_file()); }
+Y4mSink::~Y4mSink() {
+  static_cast<void>(close_file());
+}
 
 Result<void> Y4mSink::write(const VideoFrame& frame) {
   if (frame.size != format_.size) {

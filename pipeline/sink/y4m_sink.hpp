@@ -25,7 +25,7 @@ class Y4mSink final : public FrameSink {
 
   [[nodiscard]] Result<void> write(const VideoFrame& frame) override;
   [[nodiscard]] Result<void> finish() override;
-  [[nodiscard]] const std::vector<std::string>& warnings() const override { return warnings_; }
+  [[nodiscard]] std::vector<std::string> warnings() const override { return warnings_; }
 
  private:
   Y4mSink(int descriptor, std::string name, const SinkFormat& format,

@@ -14,7 +14,7 @@ REFERENCE = "frame_copy_720p"
 
 
 def median_cpu_s(path):
-    """Median CPU time of each benchmark, in seconds."""
+    """Median CPU time of each benchmark, in seconds, in the order that they ran in."""
     with open(path, encoding="utf-8") as file:
         rows = json.load(file)["benchmarks"]
     return {row["run_name"]: row["cpu_time"] * UNIT_S[row["time_unit"]]
@@ -25,7 +25,7 @@ def main():
     medians_s = median_cpu_s(sys.argv[1])
     copy_s = medians_s.get(REFERENCE)
     print(f"{'median of CPU time':40} {'µs':>12} {'frame copies':>14}")
-    for name, cpu_s in sorted(medians_s.items()):
+    for name, cpu_s in medians_s.items():
         ratio = f"{cpu_s / copy_s:14.4f}" if copy_s else f"{'not measured':>14}"
         print(f"{name:40} {cpu_s * 1e6:12.3f} {ratio}")
 

@@ -31,6 +31,28 @@ inline PlayedBuffer played_buffer(GstSample* sample) {
   return played;
 }
 
+inline bool has_failed(GstElement* pipeline) {
+  GstBus* bus = gst_element_get_bus(pipeline);
+  GstMessage* message = gst_bus_pop_filtered(bus, GST_MESSAGE_ERROR);
+  gst_object_unref(bus);
+  if (message == nullptr) {
+    return false;
+  }
+  gst_message_unref(message);
+  return true;
+}
+
+/// Null at the end, after an error, or when nothing comes.
+inline GstSample* next_sample(GstElement* pipeline, GstElement* out) {
+  for (int attempt = 0; attempt < 200; ++attempt) {
+    GstSample* sample = gst_app_sink_try_pull_sample(GST_APP_SINK(out), 100 * GST_MSECOND);
+    if (sample != nullptr || gst_app_sink_is_eos(GST_APP_SINK(out)) || has_failed(pipeline)) {
+      return sample;
+    }
+  }
+  return nullptr;
+}
+
 /// Runs a pipeline that ends in "appsink name=out" and collects what arrives: a reader that shares
 /// nothing with the code under test.
 inline Playback play(const std::string& pipeline_text) {
@@ -46,7 +68,7 @@ inline Playback play(const std::string& pipeline_text) {
   GstElement* out = gst_bin_get_by_name(GST_BIN(pipeline), "out");
   g_object_set(out, "sync", FALSE, nullptr);
   gst_element_set_state(pipeline, GST_STATE_PLAYING);
-  while (GstSample* sample = gst_app_sink_try_pull_sample(GST_APP_SINK(out), 20 * GST_SECOND)) {
+  while (GstSample* sample = next_sample(pipeline, out)) {
     const std::unique_ptr<gchar, decltype(&g_free)> caps(
         gst_caps_to_string(gst_sample_get_caps(sample)), g_free);
     playback.caps = caps.get();

@@ -8,14 +8,17 @@
 
 namespace gimbal::test {
 
-/// A value that differs between neighbours, rows, planes and frames, inside the range of video levels.
+/// A value that differs between neighbours, rows, planes and frames, inside the range of video
+/// levels.
 constexpr std::uint8_t sample_of(std::int64_t frame, int plane, int x, int y) {
-  const auto mixed = static_cast<std::uint64_t>(frame * 37 + plane * 91 + x * 3 + y * 7 + x * y / 5);
+  const auto mixed =
+      static_cast<std::uint64_t>(frame * 37 + plane * 91 + x * 3 + y * 7 + x * y / 5);
   return static_cast<std::uint8_t>(16 + mixed % 220);
 }
 
 /// The samples of a whole plane, without padding: what a reader should see.
-inline std::vector<std::uint8_t> packed_plane(std::int64_t frame, int plane, int row_bytes, int rows) {
+inline std::vector<std::uint8_t> packed_plane(std::int64_t frame, int plane, int row_bytes,
+                                              int rows) {
   std::vector<std::uint8_t> bytes;
   for (int y = 0; y < rows; ++y) {
     for (int x = 0; x < row_bytes; ++x) {
@@ -43,7 +46,8 @@ inline VideoFrame test_picture(ImageSize size, const FrameStamp& stamp, ColorInf
 
 /// Intervals that no constant rate has: 33.4 ms, 1 ms, 250 ms, ... from a late start.
 inline std::vector<FrameStamp> irregular_stamps(int count) {
-  constexpr std::int64_t kIntervals[] = {33'400'000, 1'000'003, 250'000'001, 33'333'333, 40'123'456};
+  constexpr std::int64_t kIntervals[] = {33'400'000, 1'000'003, 250'000'001, 33'333'333,
+                                         40'123'456};
   std::vector<FrameStamp> stamps;
   SensorTime time(SensorDuration(123'456'789'012'345));
   for (int index = 0; index < count; ++index) {

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "pipeline/sink/frame_sink.hpp"
+
+namespace gimbal {
+
+/// A way to H.264, as pipeline text from raw pictures of even size to what .mp4 and .mkv take.
+struct VideoEncoder {
+  const char* element;
+  std::string text;
+};
+
+/// All that are known, the best first. None makes B-frames, so that pictures are stored in the
+/// order of their times.
+[[nodiscard]] std::vector<VideoEncoder> video_encoders(const SinkFormat& format);
+
+/// The best that is installed; bad_input, with a package, if there is none.
+[[nodiscard]] Result<VideoEncoder> choose_video_encoder(const SinkFormat& format);
+
+}  // namespace gimbal

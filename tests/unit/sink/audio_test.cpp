@@ -1,0 +1,174 @@
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "pipeline/sink/frame_sink.hpp"
+#include "tests/support/gst_playback.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/test_pictures.hpp"
+
+namespace gimbal {
+namespace {
+
+using ::testing::DoubleNear;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Pointwise;
+
+constexpr int kSampleRate = 48000;
+constexpr auto kFrameInterval = std::chrono::milliseconds(100);
+
+/// Four seconds of silence with a short burst of a tone at every full second, beside a video.
+void make_recording(const std::filesystem::path& path, const std::string& audio_encoder,
+                    const std::string& muxer) {
+  test::run_pipeline(fmt::format(
+      "{} name=muxer ! filesink location={} "
+      "videotestsrc num-buffers=40 ! video/x-raw,width=64,height=48,framerate=10/1 ! x264enc ! "
+      "muxer. "
+      "audiotestsrc num-buffers=200 samplesperbuffer=960 wave=ticks freq=3000 volume=0.9 "
+      "sine-periods-per-tick=30 ! audio/x-raw,rate={},channels=1 ! audioconvert ! {} ! muxer.",
+      muxer, path.string(), kSampleRate, audio_encoder));
+}
+
+Result<std::vector<std::string>> write_with_audio(const std::filesystem::path& out,
+                                                  const AudioTrack& audio) {
+  constexpr ImageSize kSize{64, 48};
+  auto sink = open_sink(out, {kSize, 10, {}}, audio);
+  if (!sink) {
+    return tl::unexpected(sink.error());
+  }
+  for (int index = 0; index < 40; ++index) {
+    const SensorTime time(std::chrono::hours(5) + index * kFrameInterval);
+    if (auto written = (*sink)->write(test::test_picture(kSize, {index, time, {}})); !written) {
+      return tl::unexpected(written.error());
+    }
+  }
+  if (auto finished = (*sink)->finish(); !finished) {
+    return tl::unexpected(finished.error());
+  }
+  return (*sink)->warnings();
+}
+
+/// Times, in seconds, at which sound sets in after at least 0.5 s of silence.
+std::vector<double> onsets(const std::filesystem::path& path) {
+  const auto playback = test::play(fmt::format(
+      "filesrc location={} ! decodebin ! audioconvert ! audio/x-raw,format=F32LE,channels=1 ! "
+      "appsink name=out",
+      path.string()));
+  std::vector<double> found;
+  double last_sound = -1;
+  for (const auto& buffer : playback.buffers) {
+    std::vector<float> samples(buffer.bytes.size() / sizeof(float));
+    std::memcpy(samples.data(), buffer.bytes.data(), samples.size() * sizeof(float));
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      const double time =
+          1e-9 * static_cast<double>(buffer.running_time_ns) + static_cast<double>(i) / kSampleRate;
+      if (std::abs(samples[i]) > 0.3F) {
+        if (time - last_sound > 0.5) {
+          found.push_back(time);
+        }
+        last_sound = time;
+      }
+    }
+  }
+  return found;
+}
+
+std::vector<std::vector<std::uint8_t>> coded_audio(const std::filesystem::path& path,
+                                                   const std::string& demuxer) {
+  std::vector<std::vector<std::uint8_t>> packets;
+  for (auto& buffer : test::play(fmt::format("filesrc location={} ! {} name=d d.audio_0 ! queue ! "
+                                             "appsink name=out",
+                                             path.string(), demuxer))
+                          .buffers) {
+    packets.push_back(std::move(buffer.bytes));
+  }
+  return packets;
+}
+
+struct AudioCase {
+  const char* name;
+  const char* encoder;
+  const char* recording_muxer;
+  const char* recording_demuxer;
+  const char* output;
+  bool is_unchanged;
+};
+
+void PrintTo(const AudioCase& audio, std::ostream* out) {
+  *out << audio.name;
+}
+
+constexpr AudioCase kCases[] = {
+    {"AacToMp4", "avenc_aac", "mp4mux", "qtdemux", "out.mp4", true},
+    {"AacToMatroska", "avenc_aac", "mp4mux", "qtdemux", "out.mkv", true},
+    {"OpusToMp4", "opusenc", "matroskamux", "matroskademux", "out.mp4", true},
+    {"Mp3ToMp4", "lamemp3enc", "matroskamux", "matroskademux", "out.mp4", true},
+    {"PcmToMatroska", "identity", "matroskamux", "matroskademux", "out.mkv", true},
+    {"PcmToMp4", "identity", "matroskamux", "matroskademux", "out.mp4", false},
+    {"VorbisToMp4", "vorbisenc", "matroskamux", "matroskademux", "out.mp4", false},
+};
+
+class AudioTest : public ::testing::TestWithParam<AudioCase> {
+ protected:
+  test::TemporaryFolder folder_;
+  std::filesystem::path recording_ = folder_.path() / "recording";
+  std::filesystem::path out_ = folder_.path() / GetParam().output;
+
+  void SetUp() override {
+    make_recording(recording_, GetParam().encoder, GetParam().recording_muxer);
+  }
+  [[nodiscard]] std::string output_demuxer() const {
+    return out_.extension() == ".mp4" ? "qtdemux" : "matroskademux";
+  }
+};
+
+TEST_P(AudioTest, StaysInSync) {
+  const std::vector<double> in_recording = onsets(recording_);
+  ASSERT_GE(in_recording.size(), 3U);
+  for (const auto offset : {std::chrono::milliseconds(0), std::chrono::milliseconds(350),
+                            std::chrono::milliseconds(-650)}) {
+    const auto warnings = write_with_audio(out_, {recording_, offset});
+    ASSERT_TRUE(warnings) << warnings.error().message;
+    std::vector<double> expected;
+    for (const double time : in_recording) {
+      const double shifted = time + 1e-3 * static_cast<double>(offset.count());
+      if (shifted > 0.1 && shifted < 3.5) {
+        expected.push_back(shifted);
+      }
+    }
+    std::vector<double> heard = onsets(out_);
+    std::erase_if(heard, [](double time) { return time <= 0.1 || time >= 3.5; });
+    EXPECT_THAT(heard, Pointwise(DoubleNear(0.003), expected))
+        << "offset " << offset.count() << " ms";
+  }
+}
+
+TEST_P(AudioTest, GoesUnchangedWhereTheContainerTakesIt) {
+  const auto warnings = write_with_audio(out_, {recording_, std::chrono::milliseconds(-650)});
+  ASSERT_TRUE(warnings) << warnings.error().message;
+  if (!GetParam().is_unchanged) {
+    ASSERT_EQ(warnings->size(), 1U);
+    EXPECT_THAT(warnings->front(), HasSubstr("encoded again as AAC"));
+    return;
+  }
+  EXPECT_THAT(*warnings, IsEmpty());
+  auto recorded = coded_audio(recording_, GetParam().recording_demuxer);
+  const auto written = coded_audio(out_, output_demuxer());
+  ASSERT_LT(written.size(), recorded.size());
+  ASSERT_GT(written.size(), recorded.size() / 2);
+  recorded.erase(recorded.begin(), recorded.end() - std::ssize(written));
+  EXPECT_EQ(written, recorded);
+}
+
+INSTANTIATE_TEST_SUITE_P(Codecs, AudioTest, ::testing::ValuesIn(kCases),
+                         [](const auto& audio) -> std::string { return audio.param.name; });
+
+}  // namespace
+}  // namespace gimbal
