@@ -11,8 +11,8 @@ namespace gimbal {
 namespace {
 
 constexpr SensorDuration kSpacing = std::chrono::milliseconds(4);  // vibration up to 60 Hz
-constexpr std::int64_t kKnotsAround = 4;
-constexpr int kSinesInBand = 8;  // their beats make no two steps alike
+constexpr std::int64_t kKnotsAround = 75;  // for what sensors see just before and after
+constexpr int kSinesInBand = 8;            // their beats make no two steps alike
 
 constexpr double radians(double degrees) {
   return degrees * std::numbers::pi / 180.0;

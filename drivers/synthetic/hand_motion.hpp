@@ -41,7 +41,8 @@ struct HandModel {
 [[nodiscard]] HandModel vehicle_mount();
 [[nodiscard]] HandModel tripod();  ///< nothing moves
 
-/// From time zero to `duration`. The same model and seed make the same motion.
+/// From a little before time zero to a little after `duration`. The same model and seed make the
+/// same motion.
 [[nodiscard]] Motion make_hand_motion(const HandModel& model, SensorDuration duration,
                                       std::uint64_t seed);
 

@@ -47,6 +47,12 @@ Motion::Motion(MotionKnots knots)
   assert(knots_.spacing > SensorDuration::zero());
 }
 
+Motion Motion::delayed(SensorDuration delay) const {
+  Motion later = *this;
+  later.knots_.first += delay;
+  return later;
+}
+
 SensorTime Motion::begin() const {
   return knots_.first + knots_.spacing;
 }

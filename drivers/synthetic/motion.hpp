@@ -38,6 +38,9 @@ class Motion {
   /// Outside of [begin, end] the camera stands still at the nearer end's orientation.
   [[nodiscard]] MotionState at(SensorTime time) const;
 
+  /// The same motion, later.
+  [[nodiscard]] Motion delayed(SensorDuration delay) const;
+
   [[nodiscard]] SensorTime begin() const;
   [[nodiscard]] SensorTime end() const;
 

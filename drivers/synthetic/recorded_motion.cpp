@@ -25,7 +25,7 @@ constexpr int kGravityWindow = 100;    // grid steps over which a hand's acceler
 constexpr double kGravitySigma = 0.3;  // m/s², what is left of it all the same
 constexpr double kBiasSigma = 0.05;    // rad/s, a consumer gyro's
 constexpr double kTiltSigma = 1.0;     // rad, hardly known beforehand
-constexpr std::ptrdiff_t kKnotsAround = 4;  // a spline blends four
+constexpr std::ptrdiff_t kKnotsAround = 30;  // for what sensors see just before and after
 
 /// A log resampled to an even grid: item k is at the first gyro sample plus k kGrid.
 struct GriddedLog {

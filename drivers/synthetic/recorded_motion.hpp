@@ -18,7 +18,8 @@ struct MotionLog {
 };
 
 /// A motion like the logged one, for `duration` from `start` after the first gyro sample. Its time
-/// zero is at `start`, and the camera's first heading is the world's x.
+/// zero is at `start`, and the camera's heading then is the world's x. It begins a little earlier
+/// and ends a little later, as far as the log goes.
 ///
 /// The gyro's rates are integrated. Its bias and the initial inclination are those with which the
 /// logged specific force, turned into the world, is gravity on average. What then remains of the

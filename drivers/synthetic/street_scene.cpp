@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
@@ -21,12 +22,15 @@ constexpr double kEye_m = 1.65;
 constexpr double kLeftFronts_m = 9.0;
 constexpr double kRightFronts_m = -8.0;
 constexpr double kRoadEdge_m = 4.0;
+constexpr double kCars_m = 3.1;  // from the street's axis
 constexpr double kEndOfStreet_m = 110.0;
 constexpr double kBackOfStreet_m = -70.0;
-constexpr double kChurch_m = 3.0;  // half the tower's width
+constexpr double kSunSlope = 1.45;  // height over width of shadows
+constexpr double kChurch_m = 3.0;   // half the tower's width
 
 const Color kAsphalt(0.10, 0.10, 0.105);
 const Color kPavement(0.30, 0.285, 0.26);
+const Color kKerb(0.36, 0.35, 0.33);
 const Color kIron(0.025, 0.03, 0.03);
 const Color kBark(0.09, 0.065, 0.045);
 const Color kLeaf(0.10, 0.17, 0.035);
@@ -45,6 +49,22 @@ std::uint64_t salt(std::uint64_t seed, std::uint64_t what) {
 }
 
 enum Part : std::uint64_t { kLeftRow, kRightRow, kEndRow, kPlan, kRoad, kSlabs, kSky, kTower };
+
+/// Where a look passes an upright thing, on the plane through it that faces the viewer.
+struct Passing {
+  double distance_m;  ///< along the look
+  double aside_m;     ///< to the thing's left
+  double up_m;        ///< above the ground
+};
+
+/// Nothing if the look goes the other way.
+std::optional<Passing> pass(const Look& look, double along_m, double left_m) {
+  const double level = std::hypot(look.x(), look.y());
+  const double forward_m = (along_m * look.x() + left_m * look.y()) / level;
+  if (forward_m <= 0.0) return std::nullopt;
+  const double aside_m = (along_m * look.y() - left_m * look.x()) / level;
+  return Passing{forward_m / level, aside_m, kEye_m + forward_m * look.z() / level};
+}
 
 /// Distance to an upright plane across one axis, if the look goes there.
 std::optional<double> to_plane(double component, double place_m) {
@@ -73,6 +93,14 @@ Color tower_color(double left_m, double up_m, double grain_m, std::uint64_t towe
   return Color(0.40, 0.33, 0.24) * (1.0 + 0.35 * stains);
 }
 
+Color pick_paint(Random& random) {
+  static const std::array<Color, 6> kPaints = {Color(0.32, 0.03, 0.03), Color(0.03, 0.07, 0.22),
+                                               Color(0.45, 0.45, 0.44), Color(0.04, 0.04, 0.045),
+                                               Color(0.05, 0.16, 0.13), Color(0.50, 0.40, 0.14)};
+  return kPaints[static_cast<std::size_t>(
+      random.uniform(0.0, static_cast<double>(kPaints.size())))];
+}
+
 /// Paint, glass and wheels of a car seen from its side; nothing beside its outline. From its middle
 /// and the ground.
 std::optional<Color> car_color(double along_m, double up_m, const Color& paint) {
@@ -92,6 +120,56 @@ std::optional<Color> car_color(double along_m, double up_m, const Color& paint) 
   return (seam ? 0.3 : 0.7 + 0.5 * up_m) * paint;
 }
 
+/// A lamp post with a lantern on top; nothing beside its outline.
+std::optional<Color> post_color(double aside_m, double up_m, double height_m) {
+  constexpr double kRadius_m = 0.055;
+  if (up_m < 0.0 || up_m > height_m + 0.62) return std::nullopt;
+  const bool lantern = up_m > height_m;
+  const bool foot = up_m < 0.9;
+  const bool ring = std::abs(up_m - 2.9) < 0.05;
+  const double half_m =
+      lantern ? 0.17 + 0.1 * (up_m - height_m) : kRadius_m * (foot ? 1.9 : (ring ? 1.6 : 1.0));
+  if (std::abs(aside_m) > half_m) return std::nullopt;
+  const bool glass = lantern && up_m < height_m + 0.5 && up_m > height_m + 0.06;
+  if (glass) return Color(0.75, 0.72, 0.60);
+  const double roundness = 1.0 - 0.75 * std::abs(aside_m / half_m + 0.3);
+  return kIron * (1.0 + 3.0 * roundness);
+}
+
+/// Leaves around a crown's middle; nothing between and beside them.
+std::optional<Color> crown_color(double aside_m, double up_m, double grain_m, double crown_m,
+                                 std::uint64_t tree_salt) {
+  const double from_middle_m = std::hypot(aside_m, up_m);
+  if (from_middle_m > 1.5 * crown_m) return std::nullopt;
+  const double ragged =
+      1.0 + 0.35 * fractal_noise(aside_m * 1.2, up_m * 1.2, 6, 1.2 * grain_m, tree_salt);
+  if (from_middle_m > crown_m * ragged) return std::nullopt;
+  const double leaves = fractal_noise(aside_m * 4.0, up_m * 4.0, 5, 4.0 * grain_m, tree_salt + 1);
+  const double lit = 0.9 + 0.45 * up_m / crown_m - 0.15 * aside_m / crown_m;
+  return kLeaf * std::max(0.15, lit * (1.0 + 0.9 * leaves));
+}
+
+Color road_color(double along_m, double left_m, double grain_m, std::uint64_t road_salt) {
+  const double wear = fractal_noise(along_m / 4.0, left_m / 1.5, 8, grain_m / 1.5, road_salt) +
+                      fractal_noise(along_m * 9.0, left_m * 9.0, 3, 9.0 * grain_m, road_salt + 1);
+  const bool dash = std::abs(left_m) < 0.07 && std::fmod(along_m - kBackOfStreet_m, 6.0) < 2.6;
+  if (dash && wear < 0.6) return {0.55, 0.55, 0.52};
+  return kAsphalt * (1.0 + 0.45 * wear);
+}
+
+/// Slabs with gaps, each its own tone.
+Color pavement_color(double along_m, double left_m, double grain_m, std::uint64_t slab_salt) {
+  constexpr double kSlab_m = 0.6;
+  const double column = std::floor(along_m / kSlab_m);
+  const double row = std::floor(left_m / kSlab_m);
+  const double tone =
+      lattice_random(static_cast<std::int64_t>(column), static_cast<std::int64_t>(row), slab_salt);
+  const bool gap = std::min(along_m / kSlab_m - column, left_m / kSlab_m - row) < 0.03;
+  const double visible = 1.0 - smooth_step(0.2, 1.0, grain_m / kSlab_m);
+  const double dirt = fractal_noise(along_m, left_m, 6, grain_m, slab_salt);
+  return (1.0 + visible * (gap ? -0.5 : 0.35 * (tone - 0.5)) + 0.25 * dirt) * kPavement;
+}
+
 }  // namespace
 
 StreetScene::StreetScene(std::uint64_t seed, double finest_rad)
@@ -102,8 +180,8 @@ StreetScene::StreetScene(std::uint64_t seed, double finest_rad)
       end_row_(build_row(-30.0, 30.0, salt(seed, kEndRow))) {
   Random random(salt(seed, kPlan));
   for (double along_m = -40.0; along_m < 90.0; along_m += random.uniform(13.0, 17.0)) {
-    posts_.push_back({along_m, 4.7, 0.055, 4.4});
-    posts_.push_back({along_m + random.uniform(4.0, 8.0), -4.7, 0.055, 4.4});
+    posts_.push_back({along_m, 4.7, 4.4});
+    posts_.push_back({along_m + random.uniform(4.0, 8.0), -4.7, 4.4});
   }
   for (double along_m = -44.0; along_m < 90.0; along_m += random.uniform(16.0, 26.0)) {
     const double height_m = random.uniform(4.6, 6.2);
@@ -112,9 +190,8 @@ StreetScene::StreetScene(std::uint64_t seed, double finest_rad)
                       salt(seed, trees_.size())});
   }
   for (double along_m = -38.0; along_m < 80.0; along_m += random.uniform(5.2, 14.0)) {
-    const Color paint(random.uniform(0.02, 0.5), random.uniform(0.02, 0.35),
-                      random.uniform(0.02, 0.45));
-    cars_.push_back({along_m, random.uniform() < 0.6 ? 3.1 : -3.1, paint});
+    const double side_m = random.uniform() < 0.6 ? kCars_m : -kCars_m;
+    cars_.push_back({along_m, side_m, pick_paint(random)});
   }
 }
 
@@ -129,23 +206,14 @@ Eigen::Vector3d StreetScene::color(const Eigen::Vector3d& direction_world) const
 }
 
 std::optional<StreetScene::Hit> StreetScene::hit_post(const Look& look) const {
-  const double level = std::hypot(look.x(), look.y());
   std::optional<Hit> nearest;
   for (const Post& post : posts_) {
-    const double forward_m = (post.along_m * look.x() + post.left_m * look.y()) / level;
-    const double aside_m = (post.along_m * look.y() - post.left_m * look.x()) / level;
-    if (forward_m <= 0.0 || std::abs(aside_m) > 0.3) continue;
-    const double up_m = kEye_m + forward_m * look.z() / level;
-    if (up_m < 0.0 || up_m > post.height_m + 0.62) continue;
-    const bool lantern = up_m > post.height_m;
-    const double foot = up_m < 0.9 ? 1.9 : (std::abs(up_m - 2.9) < 0.05 ? 1.6 : 1.0);
-    const double half_m = lantern ? 0.17 + 0.1 * (up_m - post.height_m) : post.radius_m * foot;
-    if (std::abs(aside_m) > half_m) continue;
-    const double round = 1.0 - 0.75 * std::abs(aside_m / half_m + 0.3);
-    const bool glass = lantern && up_m < post.height_m + 0.5 && up_m > post.height_m + 0.06;
-    const Color color = glass ? Color(0.75, 0.72, 0.60) : Color(kIron * (1.0 + 3.0 * round));
-    const double distance_m = forward_m / level;
-    if (!nearest || distance_m < nearest->distance_m) nearest = Hit{distance_m, color};
+    const std::optional<Passing> at = pass(look, post.along_m, post.left_m);
+    if (!at || std::abs(at->aside_m) > 0.3 || (nearest && nearest->distance_m < at->distance_m)) {
+      continue;
+    }
+    const std::optional<Color> color = post_color(at->aside_m, at->up_m, post.height_m);
+    if (color) nearest = Hit{at->distance_m, *color};
   }
   return nearest;
 }
@@ -153,33 +221,27 @@ std::optional<StreetScene::Hit> StreetScene::hit_post(const Look& look) const {
 std::optional<StreetScene::Hit> StreetScene::hit_tree(const Look& look) const {
   std::optional<Hit> nearest;
   for (const Tree& tree : trees_) {
-    const Eigen::Vector3d center(tree.along_m, tree.left_m, tree.height_m - kEye_m);
-    const double along_look = center.dot(look);
-    if (along_look <= 0.0) continue;
-    const Eigen::Vector3d aside = along_look * look - center;
-    const double up_m = aside.z();
-    const double across_m = look.x() * aside.y() - look.y() * aside.x();
-    const bool far_from_crown = aside.norm() > 1.5 * tree.crown_m;
-    if (far_from_crown && std::abs(across_m) > 0.2) continue;
-    const double grain = finest_rad_ * along_look;
-    const double edge = tree.crown_m * (1.0 + 0.35 * fractal_noise(across_m * 1.2, up_m * 1.2, 6,
-                                                                   1.2 * grain, tree.salt));
-    const bool crown = aside.norm() < edge;
-    const bool trunk = std::abs(across_m) < 0.13 && up_m < 0.0 && up_m > -tree.height_m;
-    if (!crown && !trunk) continue;
-    const double leaves = fractal_noise(across_m * 4.0, up_m * 4.0, 4, 4.0 * grain, tree.salt + 1);
-    const double lit = 0.9 + 0.45 * up_m / tree.crown_m - 0.15 * across_m / tree.crown_m;
-    const Color color = crown ? Color(kLeaf * std::max(0.15, lit * (1.0 + 0.8 * leaves)))
-                              : Color(kBark * (1.0 + 0.5 * fractal_noise(across_m * 20, up_m * 3, 3,
-                                                                         20 * grain, tree.salt)));
-    if (!nearest || along_look < nearest->distance_m) nearest = Hit{along_look, color};
+    const std::optional<Passing> at = pass(look, tree.along_m, tree.left_m);
+    if (!at || std::abs(at->aside_m) > 1.5 * tree.crown_m) continue;
+    if (nearest && nearest->distance_m < at->distance_m) continue;
+    const double grain_m = finest_rad_ * at->distance_m;
+    const double above_m = at->up_m - tree.height_m;
+    const std::optional<Color> leaves =
+        crown_color(at->aside_m, above_m, grain_m, tree.crown_m, tree.salt);
+    const bool trunk = std::abs(at->aside_m) < 0.13 && at->up_m > 0.0 && above_m < 0.0;
+    if (leaves) {
+      nearest = Hit{at->distance_m, *leaves};
+    } else if (trunk) {
+      const double bark = fractal_noise(at->aside_m * 20, at->up_m * 3, 3, 20 * grain_m, tree.salt);
+      nearest = Hit{at->distance_m, kBark * (1.0 + 0.5 * bark)};
+    }
   }
   return nearest;
 }
 
 std::optional<StreetScene::Hit> StreetScene::hit_car(const Look& look) const {
   if (look.z() > 0.0) return std::nullopt;
-  for (const double left_m : {3.1, -3.1}) {
+  for (const double left_m : {kCars_m, -kCars_m}) {
     const std::optional<double> distance_m = to_plane(look.y(), left_m);
     if (!distance_m) continue;
     const double along_m = *distance_m * look.x();
@@ -231,28 +293,18 @@ std::optional<StreetScene::Hit> StreetScene::hit_ground(const Look& look) const 
   if (!distance_m) return std::nullopt;
   const double along_m = *distance_m * look.x();
   const double left_m = *distance_m * look.y();
-  const double grain_m = finest_rad_ * *distance_m / std::max(-look.z(), 1e-3);
-  const double shadow = left_m < -1.5 + 0.6 * value_noise(along_m / 5.0, 0, seed_) ? 0.45 : 1.0;
+  // Foreshortened along the look only: the mean of both ways is neither blurred nor aliased.
+  const double grain_m = finest_rad_ * *distance_m / std::sqrt(std::max(-look.z(), 1e-3));
+  const double roof_m = roof_line(house_at(right_row_, along_m), along_m);
+  const double shade = roof_m > kSunSlope * (left_m - kRightFronts_m) ? 0.42 : 1.0;
   const double from_axis_m = std::abs(left_m);
+  Color color = kKerb;
   if (from_axis_m < kRoadEdge_m) {
-    const double wear =
-        fractal_noise(along_m / 4.0, left_m / 1.5, 8, grain_m / 1.5, salt(seed_, kRoad));
-    const double dash = std::fmod(along_m + 1000.0, 6.0);
-    const bool paint = from_axis_m < 0.07 && dash < 2.6 && wear < 0.5;
-    return Hit{*distance_m,
-               shadow * (paint ? Color(0.55, 0.55, 0.52) : Color(kAsphalt * (1.0 + 0.5 * wear)))};
+    color = road_color(along_m, left_m, grain_m, salt(seed_, kRoad));
+  } else if (from_axis_m > kRoadEdge_m + 0.18) {
+    color = pavement_color(along_m, left_m, grain_m, salt(seed_, kSlabs));
   }
-  if (from_axis_m < kRoadEdge_m + 0.18) return Hit{*distance_m, shadow * Color(0.36, 0.35, 0.33)};
-  constexpr double kSlab_m = 0.6;
-  const double slab_x = std::floor(along_m / kSlab_m);
-  const double slab_y = std::floor(left_m / kSlab_m);
-  const double tone = lattice_random(static_cast<std::int64_t>(slab_x),
-                                     static_cast<std::int64_t>(slab_y), salt(seed_, kSlabs));
-  const double gap = std::min({along_m / kSlab_m - slab_x, left_m / kSlab_m - slab_y});
-  const double visible = 1.0 - smooth_step(0.2, 1.0, grain_m / kSlab_m);
-  const double pattern = visible * (gap < 0.03 ? -0.5 : 0.35 * (tone - 0.5));
-  const double dirt = fractal_noise(along_m, left_m, 6, grain_m, salt(seed_, kSlabs));
-  return Hit{*distance_m, shadow * (1.0 + pattern + 0.2 * dirt) * kPavement};
+  return Hit{*distance_m, shade * color};
 }
 
 Eigen::Vector3d StreetScene::sky(const Look& look) const {

@@ -23,7 +23,7 @@ class StreetScene : public Scene {
 
  private:
   struct Post {
-    double along_m, left_m, radius_m, height_m;
+    double along_m, left_m, height_m;
   };
   struct Tree {
     double along_m, left_m, crown_m, height_m;
