@@ -11,5 +11,6 @@ namespace gimbal {
 using CommandOutcome = Result<void>;
 
 void add_sessions_command(CLI::App& app, CommandOutcome& outcome);
+void add_simulate_command(CLI::App& app, CommandOutcome& outcome);
 
 }  // namespace gimbal

@@ -29,6 +29,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   gimbal::CommandOutcome outcome;
   gimbal::add_sessions_command(app, outcome);
+  gimbal::add_simulate_command(app, outcome);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
