@@ -1,0 +1,140 @@
+#include "pipeline/stabilizer.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace gimbal {
+namespace {
+
+/// Longer gaps between samples cannot be bridged by interpolation: a hand turns back and forth
+/// several times a second.
+constexpr SensorDuration kMaxGap = std::chrono::milliseconds(100);
+
+bool is_orthonormal(const Eigen::Matrix3d& R) {
+  constexpr double kTolerance = 1e-3;
+  return (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < kTolerance &&
+         R.determinant() > 0;
+}
+
+}  // namespace
+
+Result<Stabilizer> Stabilizer::create(const CameraCalibration& camera, const ImuCalibration& imu,
+                                      std::unique_ptr<Estimator> estimator,
+                                      std::unique_ptr<CameraPath> path,
+                                      const StabilizerOptions& options) {
+  auto lens = Lens::create(camera.lens);
+  if (!lens) return tl::unexpected(lens.error());
+  if (!is_orthonormal(imu.R_camera_imu)) {
+    return bad_input("R_camera_imu: not a rotation (rows must be orthonormal, determinant +1)");
+  }
+  return Stabilizer(camera, imu, std::move(*lens), std::move(estimator), std::move(path), options);
+}
+
+Stabilizer::Stabilizer(const CameraCalibration& camera, const ImuCalibration& imu, Lens lens,
+                       std::unique_ptr<Estimator> estimator, std::unique_ptr<CameraPath> path,
+                       const StabilizerOptions& options)
+    : camera_(camera),
+      q_imu_camera_(Eigen::Quaterniond(imu.R_camera_imu).normalized().conjugate()),
+      lens_(std::move(lens)),
+      timing_(camera),
+      options_(options),
+      reference_line_(options.reference_line.value_or((timing_.line_count() - 1) / 2.0)),
+      estimator_(std::move(estimator)),
+      history_(kMaxGap),
+      path_(std::move(path)),
+      limiter_(options.zoom, options.latency) {}
+
+void Stabilizer::push(const ImuSample& sample) {
+  history_.append(estimator_->update(sample));
+  place_waiting_stamps();
+}
+
+void Stabilizer::push(const FrameStamp& stamp) {
+  waiting_.push_back(stamp);
+  place_waiting_stamps();
+}
+
+void Stabilizer::finish() {
+  if (history_.empty()) return;
+  while (!waiting_.empty()) place_next();
+  path_->finish();
+  follow_path();
+  limiter_.finish();
+}
+
+void Stabilizer::place_waiting_stamps() {
+  while (!waiting_.empty() && !history_.empty() &&
+         history_.attitudes().back().time >= readout_end(waiting_.front())) {
+    place_next();
+  }
+}
+
+void Stabilizer::place_next() {
+  const FramePose pose = real_pose(waiting_.front());
+  waiting_.pop_front();
+  on_path_.push_back(pose);
+  path_->push(pose);
+  follow_path();
+}
+
+void Stabilizer::follow_path() {
+  while (const auto steady = path_->pop()) {
+    limiter_.push({on_path_.front(), steady->q_world_camera, required_zoom_of(steady->stamp)});
+    on_path_.pop_front();
+  }
+}
+
+std::optional<VirtualCamera> Stabilizer::next_camera() {
+  const auto view = limiter_.pop();
+  if (!view) return std::nullopt;
+  return VirtualCamera{view->steady.stamp, view->steady.q_world_camera,
+                       zoomed(unzoomed(), camera_.size, view->zoom)};
+}
+
+WarpMesh Stabilizer::mesh_for(const VirtualCamera& camera) const {
+  return build_warp_mesh(lens_, camera_.size, camera_.readout_direction,
+                         orientation_of(camera.stamp), camera, camera_.size, options_.border,
+                         options_.mesh);
+}
+
+FramePose Stabilizer::real_pose(const FrameStamp& stamp) const {
+  return {stamp, q_world_camera(timing_.time_of_line(stamp, reference_line_))};
+}
+
+AttitudeOrigin Stabilizer::origin_of(const FrameStamp& stamp) const {
+  const auto origin_at = [&](double line) {
+    return history_.at(timing_.time_of_line(stamp, line)).origin;
+  };
+  return std::max(origin_at(0), origin_at(timing_.line_count()));
+}
+
+Eigen::Quaterniond Stabilizer::q_world_camera(SensorTime time) const {
+  return history_.at(time).q_world_imu * q_imu_camera_;
+}
+
+LineOrientation Stabilizer::orientation_of(const FrameStamp& stamp) const {
+  return [this, stamp](double line) { return q_world_camera(timing_.time_of_line(stamp, line)); };
+}
+
+SensorTime Stabilizer::readout_end(const FrameStamp& stamp) const {
+  return std::max(timing_.time_of_line(stamp, 0), timing_.time_of_line(stamp, timing_.line_count()));
+}
+
+PinholeIntrinsics Stabilizer::unzoomed() const {
+  const Eigen::Matrix3d& K = camera_.lens.K;
+  return {K(0, 0), K(1, 1), K(0, 2), K(1, 2)};
+}
+
+RequiredZoom Stabilizer::required_zoom_of(const FrameStamp& stamp) const {
+  if (options_.border != Border::crop) {
+    return [](const Eigen::Quaterniond&) { return 0.0; };  // borders are filled: any view will do
+  }
+  const int points = std::max(options_.mesh.columns, options_.mesh.rows) + 1;
+  return [outline = trace_outline(lens_, camera_.size, camera_.readout_direction,
+                                  orientation_of(stamp), points),
+          intrinsics = unzoomed(), size = camera_.size](const Eigen::Quaterniond& q_world_camera) {
+    return required_zoom(outline, q_world_camera, intrinsics, size);
+  };
+}
+
+}  // namespace gimbal

@@ -1,0 +1,98 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "pipeline/estimator/estimator.hpp"
+#include "pipeline/lens/lens.hpp"
+#include "pipeline/path/camera_path.hpp"
+#include "pipeline/path/view_limiter.hpp"
+#include "pipeline/sample/calibration.hpp"
+#include "pipeline/sample/result.hpp"
+#include "pipeline/sample/virtual_camera.hpp"
+#include "pipeline/smoother/attitude_history.hpp"
+#include "pipeline/timing/row_timing.hpp"
+#include "pipeline/warp/frame_outline.hpp"
+#include "pipeline/warp/warp_mesh.hpp"
+
+namespace gimbal {
+
+struct StabilizerOptions {
+  Border border = Border::crop;
+  ZoomChoice zoom;
+  PathLatency latency;
+  /// The line, in pixels along the readout, that a rectified frame is drawn at; the middle if none.
+  std::optional<double> reference_line;
+  MeshDensity mesh;
+};
+
+/// From samples and frame stamps to the mesh of each frame:
+///
+///   samples -> estimator -> history -> pose of the reference line -> path -> limiter -> mesh
+///
+/// Owns no thread and reads no clock. Samples and stamps go in, each in order of time; a stamp's
+/// camera comes out once the path has seen what it waits for.
+class Stabilizer {
+ public:
+  [[nodiscard]] static Result<Stabilizer> create(const CameraCalibration& camera,
+                                                 const ImuCalibration& imu,
+                                                 std::unique_ptr<Estimator> estimator,
+                                                 std::unique_ptr<CameraPath> path,
+                                                 const StabilizerOptions& options);
+
+  /// Stamps rise strictly; the estimator's answer goes into the history.
+  void push(const ImuSample& sample);
+
+  /// Waits inside until the history reaches the end of the frame's readout.
+  void push(const FrameStamp& stamp);
+
+  /// No more samples and stamps come.
+  void finish();
+
+  /// The virtual camera of the next frame, in order.
+  [[nodiscard]] std::optional<VirtualCamera> next_camera();
+
+  /// The way from a frame to the picture that `camera` shows of it.
+  [[nodiscard]] WarpMesh mesh_for(const VirtualCamera& camera) const;
+
+  /// The real camera at the reference line of the frame.
+  [[nodiscard]] FramePose real_pose(const FrameStamp& stamp) const;
+
+  /// How the orientations inside the frame's readout were obtained: the worst of its first and last.
+  [[nodiscard]] AttitudeOrigin origin_of(const FrameStamp& stamp) const;
+
+  [[nodiscard]] const AttitudeHistory& history() const { return history_; }
+
+ private:
+  Stabilizer(const CameraCalibration& camera, const ImuCalibration& imu, Lens lens,
+             std::unique_ptr<Estimator> estimator, std::unique_ptr<CameraPath> path,
+             const StabilizerOptions& options);
+
+  [[nodiscard]] Eigen::Quaterniond q_world_camera(SensorTime time) const;
+  [[nodiscard]] LineOrientation orientation_of(const FrameStamp& stamp) const;
+  [[nodiscard]] SensorTime readout_end(const FrameStamp& stamp) const;
+  [[nodiscard]] PinholeIntrinsics unzoomed() const;
+  [[nodiscard]] RequiredZoom required_zoom_of(const FrameStamp& stamp) const;
+  void place_waiting_stamps();
+  void place_next();
+  void follow_path();
+
+  CameraCalibration camera_;
+  Eigen::Quaterniond q_imu_camera_;
+  Lens lens_;
+  RowTiming timing_;
+  StabilizerOptions options_;
+  double reference_line_;
+
+  std::unique_ptr<Estimator> estimator_;
+  AttitudeHistory history_;
+  std::deque<FrameStamp> waiting_;   ///< for the history to reach them
+  std::unique_ptr<CameraPath> path_;
+  std::deque<FramePose> on_path_;    ///< real poses whose steady ones are still to come
+  ViewLimiter limiter_;
+};
+
+}  // namespace gimbal
