@@ -12,5 +12,7 @@ using CommandOutcome = Result<void>;
 
 void add_sessions_command(CLI::App& app, CommandOutcome& outcome);
 void add_simulate_command(CLI::App& app, CommandOutcome& outcome);
+void add_stabilize_command(CLI::App& app, CommandOutcome& outcome);
+void add_orient_command(CLI::App& app, CommandOutcome& outcome);
 
 }  // namespace gimbal

@@ -28,6 +28,8 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", GIMBALD_VERSION);
   app.require_subcommand(1);
   gimbal::CommandOutcome outcome;
+  gimbal::add_stabilize_command(app, outcome);
+  gimbal::add_orient_command(app, outcome);
   gimbal::add_sessions_command(app, outcome);
   gimbal::add_simulate_command(app, outcome);
   try {

@@ -1,0 +1,118 @@
+#include <charconv>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <string>
+
+#include "daemon/gimbalctl/commands.hpp"
+#include "daemon/gimbalctl/stabilize_session.hpp"
+
+namespace gimbal {
+namespace {
+
+constexpr double kZoomMost = 10;
+
+/// The values as they stand on the command line, before they are understood.
+struct Arguments {
+  StabilizeRequest request;
+  std::string latency = "full";
+  std::string zoom = "auto";
+  std::string warper;
+};
+
+template <typename Number>
+std::optional<Number> parse_whole(const std::string& text) {
+  Number value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+Result<PathLatency> parse_latency(const std::string& text) {
+  if (text == "full") return PathLatency{};
+  const auto frames = parse_whole<unsigned>(text);
+  if (!frames) return bad_input("--latency " + text + ": expected a number of frames, or full");
+  return PathLatency{*frames};
+}
+
+Result<std::optional<double>> parse_zoom(const std::string& text) {
+  if (text == "auto") return std::optional<double>{};
+  const auto ratio = parse_whole<double>(text);
+  if (!ratio || !(*ratio >= 1 && *ratio <= kZoomMost)) {
+    return bad_input("--zoom " + text + ": expected auto, or a ratio from 1 to 10, such as 1.15");
+  }
+  return std::optional<double>{*ratio};
+}
+
+Result<void> run(Arguments& arguments) {
+  StabilizeRequest& request = arguments.request;
+  const auto latency = parse_latency(arguments.latency);
+  if (!latency) return tl::unexpected(latency.error());
+  if (std::isnan(request.amount)) return bad_input("--amount nan: expected a number from 0 to 1");
+  const auto zoom = parse_zoom(arguments.zoom);
+  if (!zoom) return tl::unexpected(zoom.error());
+  request.latency = *latency;
+  request.zoom = *zoom;
+  if (arguments.warper == "gles") request.warper = WarperKind::gles;
+  if (arguments.warper == "cpu") request.warper = WarperKind::cpu;
+  return stabilize_session(request);
+}
+
+void add_options(CLI::App& command, Arguments& arguments) {
+  static const std::map<std::string, Border> borders = {{"crop", Border::crop},
+                                                        {"extend", Border::extend},
+                                                        {"mirror", Border::mirror},
+                                                        {"black", Border::black}};
+  static const std::map<std::string, PathKind> paths = {{"hann", PathKind::hann},
+                                                        {"adaptive-hann", PathKind::adaptive_hann}};
+  static const std::map<std::string, EstimatorKind> estimators = {
+      {"thesis", EstimatorKind::thesis}};
+  StabilizeRequest& request = arguments.request;
+  command.add_option("session", request.session, "Session folder, or a video with a .gcsv beside it")
+      ->required();
+  command
+      .add_option("-o,--output", request.out,
+                  "FILE.mp4, .mkv or .y4m; - for y4m on standard output; or a GStreamer pipeline, "
+                  "recognised by \" ! \"")
+      ->required();
+  command.add_option("--amount", request.amount, "How steady, 0 (rectified only) to 1")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command.add_option("--latency", arguments.latency, "Frames of future the path may use, or full")
+      ->capture_default_str();
+  command.add_option("--zoom", arguments.zoom, "Fixed ratio, such as 1.15, or auto")
+      ->capture_default_str();
+  command.add_option("--border", request.border, "What to show past the edge of the frame")
+      ->transform(CLI::CheckedTransformer(borders))
+      ->option_text("crop|extend|mirror|black [crop]");
+  command.add_option("--warper", arguments.warper, "What draws: gles or cpu (unset: gles, else cpu)")
+      ->check(CLI::IsMember({"gles", "cpu"}))
+      ->option_text("gles|cpu");
+  command.add_option("--estimator", request.estimator, "How orientation is estimated")
+      ->transform(CLI::CheckedTransformer(estimators))
+      ->option_text("thesis [thesis]");
+  command.add_option("--path", request.path, "How the camera's path is smoothed")
+      ->transform(CLI::CheckedTransformer(paths))
+      ->option_text("hann|adaptive-hann [adaptive-hann]");
+  command.add_flag_callback(
+      "--rectify-only", [&request] { request.correction = Correction::rectify_only; },
+      "Take out the rolling shutter, leave the motion");
+  command.add_option("--reference-row", request.reference_row,
+                     "Row (column, for sensors that read columns) whose instant the picture shows "
+                     "[the middle one]");
+  command.add_option("--path-log", request.path_log, "Write the virtual camera of each frame (CSV)");
+  command.add_option("--report", request.report, "Write what was done and measured (JSON)");
+  command.add_flag_callback(
+      "--quiet", [&request] { request.progress = ProgressStyle::quiet; }, "No progress bar");
+}
+
+}  // namespace
+
+void add_stabilize_command(CLI::App& app, CommandOutcome& outcome) {
+  CLI::App* command = app.add_subcommand("stabilize", "Write a recording rectified and steady");
+  const auto arguments = std::make_shared<Arguments>();
+  add_options(*command, *arguments);
+  command->callback([arguments, &outcome] { outcome = run(*arguments); });
+}
+
+}  // namespace gimbal

@@ -1,0 +1,69 @@
+#include "daemon/gimbalctl/stabilize_report.hpp"
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+namespace gimbal {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::int64_t peak_memory_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return std::int64_t{usage.ru_maxrss} * 1024;  // Linux counts it in KiB
+}
+
+Json to_json(const StabilizeReport& report) {
+  const double frames = static_cast<double>(std::max<std::int64_t>(report.frames_out, 1));
+  return {
+      {"session", report.session},
+      {"output", report.output},
+      {"frames",
+       {{"in", report.frames_in},
+        {"out", report.frames_out},
+        {"dropped", report.frames_dropped},
+        {"predicted", report.frames_predicted}}},
+      {"seconds",
+       {{"decode", report.decode.seconds()},
+        {"estimate", report.estimate.seconds()},
+        {"path", report.path_stage.seconds()},
+        {"warp", report.warp.seconds()},
+        {"encode", report.encode.seconds()}}},
+      {"warper", report.warper},
+      {"gl_renderer", report.warper == "gles" ? Json(report.renderer) : Json(nullptr)},
+      {"peak_memory_bytes", peak_memory_bytes()},
+      {"estimator", report.estimator},
+      {"path", report.path},
+      {"amount", report.amount},
+      {"latency_frames", report.latency_frames ? Json(*report.latency_frames) : Json("full")},
+      {"latency_s", report.latency_frames ? Json(report.latency_s) : Json(nullptr)},
+      {"border", report.border},
+      {"zoom", {{"mean", report.zoom_sum / frames}, {"max", report.zoom_most}}},
+      {"retained_field_of_view", report.view_sum / frames},
+      {"border_px", {{"total", report.border_px}, {"max_per_frame", report.border_px_most}}},
+      {"rms_rate_above_1hz_rad_s",
+       {{"before", report.rate_before_rad_s}, {"after", report.rate_after_rad_s}}},
+      {"warnings", report.warnings},
+  };
+}
+
+}  // namespace
+
+Result<void> write_report(const StabilizeReport& report, const std::filesystem::path& file) {
+  std::ofstream stream(file);
+  // Names of files need not be UTF-8: what is not is replaced rather than refused.
+  stream << to_json(report).dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
+  stream.close();
+  if (!stream) {
+    return bad_input(
+        fmt::format("{}: cannot write the report (does the folder exist?)", file.string()));
+  }
+  return {};
+}
+
+}  // namespace gimbal

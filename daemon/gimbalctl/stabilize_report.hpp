@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "daemon/gimbalctl/stage_clock.hpp"
+#include "pipeline/sample/result.hpp"
+
+namespace gimbal {
+
+/// What one run of `gimbalctl stabilize` did, for `--report`.
+struct StabilizeReport {
+  std::string session;
+  std::string output;
+  std::string estimator;
+  std::string path;
+  double amount = 0;
+  std::string border;
+  std::optional<std::size_t> latency_frames;  ///< none: the whole recording
+  double latency_s = 0;                       ///< what the path waits for; 0 when all is known
+
+  std::string warper;
+  std::string renderer;
+
+  std::int64_t frames_in = 0;
+  std::int64_t frames_out = 0;
+  std::int64_t frames_dropped = 0;
+  /// Frames whose orientation was not measured (before, after or in a gap of the samples).
+  std::int64_t frames_predicted = 0;
+  std::int64_t border_px = 0;         ///< output pixels without a source, all frames
+  std::int64_t border_px_most = 0;    ///< in the worst frame
+  double zoom_sum = 0;
+  double zoom_most = 0;
+  double view_sum = 0;                ///< of 1/zoom²
+  double rate_before_rad_s = 0;
+  double rate_after_rad_s = 0;
+
+  StageClock decode;
+  StageClock estimate;
+  StageClock path_stage;
+  StageClock warp;
+  StageClock encode;
+
+  std::vector<std::string> warnings;
+};
+
+[[nodiscard]] Result<void> write_report(const StabilizeReport& report,
+                                        const std::filesystem::path& file);
+
+}  // namespace gimbal

@@ -1,0 +1,284 @@
+#include "daemon/gimbalctl/stabilize_session.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "daemon/gimbalctl/path_log.hpp"
+#include "daemon/gimbalctl/stabilize_report.hpp"
+#include "daemon/gimbalctl/warnings.hpp"
+#include "drivers/replay/replay_camera.hpp"
+#include "drivers/replay/session.hpp"
+#include "pipeline/path/steadiness.hpp"
+#include "pipeline/sink/frame_sink.hpp"
+#include "pipeline/stabilizer.hpp"
+#include "pipeline/warp/warper.hpp"
+
+namespace gimbal {
+namespace {
+
+/// What `--zoom auto` may use at most: the thesis' own comparison went up to 25 %.
+constexpr double kAutoZoomMost = 1.25;
+constexpr double kShakeCutoffHz = 1.0;
+
+std::string to_string(Border border) {
+  switch (border) {
+    case Border::crop: return "crop";
+    case Border::extend: return "extend";
+    case Border::mirror: return "mirror";
+    case Border::black: return "black";
+  }
+  return {};
+}
+
+ZoomChoice zoom_choice(const StabilizeRequest& request) {
+  if (request.zoom) return {*request.zoom, *request.zoom};
+  // Other borders fill what crop has to zoom past.
+  return request.border == Border::crop ? ZoomChoice{1, kAutoZoomMost} : ZoomChoice{1, 1};
+}
+
+std::unique_ptr<CameraPath> make_path(const StabilizeRequest& request, double fps) {
+  if (request.correction == Correction::rectify_only) return make_hann_path(1, request.latency);
+  if (request.path == PathKind::hann) {
+    return make_hann_path(window_for_amount(request.amount, fps), request.latency);
+  }
+  return make_adaptive_hann_path(adaptive_hann_for_amount(request.amount, fps), request.latency);
+}
+
+/// One run: from the open session to the finished output.
+class Job {
+ public:
+  Job(const StabilizeRequest& request, const Session& session)
+      : request_(request), session_(session) {}
+
+  [[nodiscard]] Result<void> run();
+
+ private:
+  [[nodiscard]] Result<void> plan();
+  [[nodiscard]] Result<void> open_streams();
+  [[nodiscard]] Result<void> make_warper(ImageSize size);
+  [[nodiscard]] Result<void> write_all();
+  [[nodiscard]] Result<void> write_frame(const VideoFrame& frame);
+  [[nodiscard]] Result<VideoFrame> draw(const VideoFrame& frame);
+  [[nodiscard]] Result<VideoFrame> warp(const VideoFrame& frame, const WarpMesh& mesh);
+  [[nodiscard]] Result<void> finish();
+  void measure_steadiness();
+  void note(const VirtualCamera& camera, std::int64_t border_px);
+  void warn(std::string warning);
+
+  const StabilizeRequest& request_;
+  const Session& session_;
+  StabilizeReport report_;
+
+  std::optional<Stabilizer> stabilizer_;  ///< none without a gyro: frames pass through
+  std::vector<VirtualCamera> cameras_;    ///< one a frame stamp
+  std::unique_ptr<ReplayCamera> source_;
+  std::unique_ptr<Warper> warper_;
+  std::unique_ptr<FrameSink> sink_;
+  std::optional<PathLog> path_log_;
+};
+
+Result<void> Job::run() {
+  report_.session = request_.session.string();
+  report_.output = request_.out;
+  report_.amount = request_.correction == Correction::rectify_only ? 0 : request_.amount;
+  report_.border = to_string(request_.border);
+  report_.estimator = "thesis";
+  report_.path = request_.path == PathKind::hann ? "hann" : "adaptive-hann";
+  report_.latency_frames = request_.latency;
+  if (request_.latency && session_.camera) {
+    report_.latency_s = static_cast<double>(*request_.latency) / session_.camera->fps;
+  }
+  report_.warnings = session_.warnings;
+  print_warnings(report_.warnings);
+
+  return plan()
+      .and_then([this] { return open_streams(); })
+      .and_then([this] { return write_all(); })
+      .and_then([this] { return finish(); });
+}
+
+/// The whole camera path, before the first picture is touched.
+Result<void> Job::plan() {
+  if (session_.gyro.empty()) {
+    warn("no gyro samples: frames pass through as they are");
+    return {};
+  }
+  StabilizerOptions options;
+  options.border = request_.border;
+  options.zoom = zoom_choice(request_);
+  options.latency = request_.latency;
+  options.reference_line = request_.reference_row;
+  auto stabilizer =
+      Stabilizer::create(*session_.camera, session_.imu, make_estimator(request_.estimator),
+                         make_path(request_, session_.camera->fps), options);
+  if (!stabilizer) return tl::unexpected(stabilizer.error());
+  stabilizer_.emplace(std::move(*stabilizer));
+
+  const auto replayed = report_.estimate.measure([this] {
+    return replay_samples(session_, [this](const ImuSample& sample) { stabilizer_->push(sample); });
+  });
+  if (!replayed) return replayed;
+  report_.path_stage.measure([this] {
+    for (const FrameStamp& stamp : session_.frames) stabilizer_->push(stamp);
+    stabilizer_->finish();
+    while (const auto camera = stabilizer_->next_camera()) cameras_.push_back(*camera);
+  });
+  measure_steadiness();
+  return {};
+}
+
+void Job::measure_steadiness() {
+  std::vector<FramePose> before;
+  std::vector<FramePose> after;
+  for (const VirtualCamera& camera : cameras_) {
+    before.push_back(stabilizer_->real_pose(camera.stamp));
+    after.push_back({camera.stamp, camera.q_world_camera});
+    if (stabilizer_->origin_of(camera.stamp) == AttitudeOrigin::predicted) {
+      ++report_.frames_predicted;
+    }
+  }
+  report_.rate_before_rad_s = rms_rate_above_rad_s(before, kShakeCutoffHz);
+  report_.rate_after_rad_s = rms_rate_above_rad_s(after, kShakeCutoffHz);
+  if (report_.frames_predicted > 0) {
+    warn(fmt::format("{} of {} frames lie where no orientation was measured: it is held there",
+                     report_.frames_predicted, cameras_.size()));
+  }
+}
+
+Result<void> Job::open_streams() {
+  if (!request_.path_log.empty()) {
+    auto log = PathLog::open(request_.path_log);
+    if (!log) return tl::unexpected(log.error());
+    path_log_.emplace(std::move(*log));
+  }
+  source_ = std::make_unique<ReplayCamera>(session_.video, session_.frames,
+                                           session_.camera ? session_.camera->fps : 0);
+  if (auto started = source_->start(); !started) return started;
+  const CameraFormat format = source_->format();
+  if (stabilizer_ && format.size != session_.camera->size) {
+    return bad_input(fmt::format(
+        "{}: frames are {}x{}, session.toml says {}x{} under [camera]", session_.video.string(),
+        format.size.width, format.size.height, session_.camera->size.width,
+        session_.camera->size.height));
+  }
+  if (stabilizer_) {
+    if (auto made = make_warper(format.size); !made) return made;
+  }
+  auto sink = open_sink(request_.out, {format.size, format.fps, format.color},
+                        AudioTrack{session_.video, {}});
+  if (!sink) return tl::unexpected(sink.error());
+  sink_ = std::move(*sink);
+  return {};
+}
+
+Result<void> Job::make_warper(ImageSize size) {
+  if (request_.warper != WarperKind::cpu) {
+    auto gles = make_gles_warper(size, size);
+    if (gles) {
+      warper_ = std::move(*gles);
+      return {};
+    }
+    if (request_.warper == WarperKind::gles) return tl::unexpected(gles.error());
+    warn(gles.error().message + "; drawing on the CPU");
+  }
+  warper_ = make_cpu_warper();
+  return {};
+}
+
+Result<void> Job::write_all() {
+  ProgressBar progress("stabilize", static_cast<std::int64_t>(session_.frames.size()),
+                       request_.progress);
+  while (true) {
+    const auto frame = report_.decode.measure([this] { return source_->read(); });
+    if (!frame) return tl::unexpected(frame.error());
+    if (!*frame) return {};
+    ++report_.frames_in;
+    if (auto written = write_frame(**frame); !written) return written;
+    progress.advance();
+  }
+}
+
+Result<void> Job::write_frame(const VideoFrame& frame) {
+  if (!stabilizer_) {
+    ++report_.frames_out;
+    return report_.encode.measure([&] { return sink_->write(frame); });
+  }
+  const auto drawn = report_.warp.measure([&] { return draw(frame); });
+  if (!drawn) return tl::unexpected(drawn.error());
+  ++report_.frames_out;
+  return report_.encode.measure([&] { return sink_->write(*drawn); });
+}
+
+Result<VideoFrame> Job::draw(const VideoFrame& frame) {
+  const auto camera = std::lower_bound(
+      cameras_.begin(), cameras_.end(), frame.stamp.index,
+      [](const VirtualCamera& c, std::int64_t index) { return c.stamp.index < index; });
+  if (camera == cameras_.end() || camera->stamp.index != frame.stamp.index) {
+    return failed(fmt::format("frame {} has no place on the camera's path", frame.stamp.index));
+  }
+  const WarpMesh mesh = stabilizer_->mesh_for(*camera);
+  note(*camera, count_border_pixels(mesh));
+  return warp(frame, mesh);
+}
+
+Result<VideoFrame> Job::warp(const VideoFrame& frame, const WarpMesh& mesh) {
+  auto drawn = warper_->warp(frame, mesh);
+  if (drawn || request_.warper || warper_->name() == "cpu") return drawn;
+  warn(drawn.error().message + "; drawing on the CPU from here on");
+  warper_ = make_cpu_warper();
+  return warper_->warp(frame, mesh);
+}
+
+void Job::note(const VirtualCamera& camera, std::int64_t border_px) {
+  const double zoom = camera.intrinsics.fx / session_.camera->lens.K(0, 0);
+  report_.zoom_sum += zoom;
+  report_.zoom_most = std::max(report_.zoom_most, zoom);
+  report_.view_sum += 1 / (zoom * zoom);
+  report_.border_px += border_px;
+  report_.border_px_most = std::max(report_.border_px_most, border_px);
+  if (path_log_) path_log_->write(camera, border_px);
+}
+
+Result<void> Job::finish() {
+  if (auto finished = report_.encode.measure([this] { return sink_->finish(); }); !finished) {
+    return finished;
+  }
+  for (const std::string& warning : source_->warnings()) warn(warning);
+  for (const std::string& warning : sink_->warnings()) warn(warning);
+  if (path_log_) {
+    if (auto finished = path_log_->finish(); !finished) return finished;
+  }
+  if (request_.report.empty()) return {};
+  report_.frames_in += source_->frames_without_stamp();
+  report_.frames_dropped = report_.frames_in - report_.frames_out;
+  report_.warper = warper_ ? warper_->name() : "none";
+  report_.renderer = warper_ ? warper_->renderer() : "";
+  return write_report(report_, request_.report);
+}
+
+void Job::warn(std::string warning) {
+  print_warnings({&warning, 1});
+  report_.warnings.push_back(std::move(warning));
+}
+
+}  // namespace
+
+Result<void> stabilize_session(const StabilizeRequest& request) {
+  const auto session = open_session(request.session);
+  if (!session) return tl::unexpected(session.error());
+  if (session->video.empty()) {
+    return bad_input(request.session.string() + ": no video in this session");
+  }
+  if (!session->camera && !session->gyro.empty()) {
+    return bad_input(request.session.string() +
+                     ": session.toml has no [camera] with K and readout_s; fill it in");
+  }
+  return Job(request, *session).run();
+}
+
+}  // namespace gimbal
