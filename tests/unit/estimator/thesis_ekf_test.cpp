@@ -278,23 +278,6 @@ TEST(ThesisEkf, ExactGravityCorrectsTiltAndNeverHeadingWhileMoving) {
   EXPECT_LT(degrees_between(attitude.q_world_imu, heading * truth.back()), 0.1);
 }
 
-TEST(ThesisEkf, HeadingStartsCertainAndLosesWhatTheGyroscopesNoiseAddsUpTo) {
-  // A random walk: variance density² t of the angle, a quarter of it of the quaternion.
-  const auto rates = mirrored(harsh_rates(), 3001);
-  const auto truth = true_attitudes(rates, Eigen::Quaterniond::Identity());
-  const ThesisEkfParameters parameters = held_rates();
-  ThesisEkf ekf(parameters);
-  for (std::size_t i = 0; i < rates.size(); ++i) {
-    const Eigen::Vector3d accel = truth[i].conjugate() * Eigen::Vector3d(0, 0, 9.80665);
-    const auto q = ekf.update({SensorTime(milliseconds(10 * i)), rates[i], accel}).q_world_imu;
-    const QuaternionVector along_heading(-q.z(), -q.y(), q.x(), q.w());
-    const double variance = along_heading.dot(ekf.covariance() * along_heading);
-    const double seconds = 0.010 * static_cast<double>(i);
-    const double expected = 0.25 * std::pow(parameters.gyro_noise_rad_s_rthz, 2) * seconds;
-    ASSERT_NEAR(variance, expected, 1e-3 * expected + 1e-18) << i;
-  }
-}
-
 TEST(ThesisEkf, CovarianceStaysSymmetricAndPositiveSemidefinite) {
   const auto rates = mirrored(harsh_rates(), 6000);
   std::mt19937 random(4);

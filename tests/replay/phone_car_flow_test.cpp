@@ -1,0 +1,204 @@
+// The gyro must explain how the picture of a real recording moves: corners tracked from frame to frame, less the motion
+// that the orientation of their rows predicts. The reference is the picture itself; OpenCV tracks.
+
+#include <fmt/core.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
+#include <vector>
+
+#include "drivers/replay/replay_camera.hpp"
+#include "drivers/replay/import/importer.hpp"
+#include "pipeline/estimator/thesis_ekf.hpp"
+#include "pipeline/lens/lens.hpp"
+#include "pipeline/smoother/attitude_history.hpp"
+#include "pipeline/timing/row_timing.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace gimbal {
+namespace {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+struct Track {
+  FrameStamp from;
+  FrameStamp to;
+  Vector2d from_px;
+  Vector2d to_px;
+};
+
+cv::Mat luma_of(const VideoFrame& frame) {
+  const cv::Mat view(frame.size.height, frame.size.width, CV_8UC1,
+                     const_cast<std::uint8_t*>(frame.planes[0].data),
+                     static_cast<std::size_t>(frame.planes[0].stride_bytes));
+  return view.clone();
+}
+
+/// Shi-Tomasi corners in the upper two thirds: below lies the dashboard of the car.
+std::vector<cv::Point2f> find_corners(const cv::Mat& picture) {
+  cv::Mat mask = cv::Mat::zeros(picture.size(), CV_8UC1);
+  mask.rowRange(0, picture.rows * 2 / 3) = 255;
+  std::vector<cv::Point2f> corners;
+  cv::goodFeaturesToTrack(picture, corners, 400, 0.01, 8, mask);
+  return corners;
+}
+
+/// A corner followed from one frame to the next and back to where it began (thesis 2.4).
+struct Step {
+  cv::Point2f from;
+  cv::Point2f to;
+};
+
+std::vector<Step> follow(const cv::Mat& from, const cv::Mat& to,
+                         const std::vector<cv::Point2f>& corners) {
+  if (corners.empty()) return {};
+  std::vector<cv::Point2f> forth;
+  std::vector<cv::Point2f> back;
+  std::vector<unsigned char> found_forth;
+  std::vector<unsigned char> found_back;
+  std::vector<float> error;
+  cv::calcOpticalFlowPyrLK(from, to, corners, forth, found_forth, error);
+  cv::calcOpticalFlowPyrLK(to, from, forth, back, found_back, error);
+  std::vector<Step> steps;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const bool returned =
+        found_forth[i] != 0 && found_back[i] != 0 && cv::norm(back[i] - corners[i]) < 0.3;
+    if (returned) steps.push_back({corners[i], forth[i]});
+  }
+  return steps;
+}
+
+struct Picture {
+  FrameStamp stamp;
+  cv::Mat luma;
+};
+
+std::vector<Picture> decode(const Session& session) {
+  ReplayCamera camera(session.video, session.frames, session.camera->fps);
+  std::vector<Picture> pictures;
+  if (!camera.start()) return pictures;
+  while (true) {
+    const auto frame = camera.read();
+    if (!frame || !*frame) return pictures;
+    pictures.push_back({(*frame)->stamp, luma_of(**frame)});
+  }
+}
+
+/// Follows corners as long as they last; finds new ones every `renewal` frames.
+std::vector<Track> track(const std::vector<Picture>& pictures, std::size_t renewal) {
+  std::vector<Track> tracks;
+  std::vector<cv::Point2f> corners;
+  for (std::size_t i = 0; i + 1 < pictures.size(); ++i) {
+    if (i % renewal == 0) corners = find_corners(pictures[i].luma);
+    const auto steps = follow(pictures[i].luma, pictures[i + 1].luma, corners);
+    corners.clear();
+    for (const Step& step : steps) {
+      tracks.push_back({pictures[i].stamp, pictures[i + 1].stamp, {step.from.x, step.from.y},
+                        {step.to.x, step.to.y}});
+      corners.push_back(step.to);
+    }
+  }
+  return tracks;
+}
+
+/// Where a corner should have gone, given the camera's orientation when it was seen first and last.
+Vector2d predicted_px(const Lens& lens, const Vector2d& from_px, const Eigen::Quaterniond& q_from,
+                      const Eigen::Quaterniond& q_to) {
+  const Vector3d ray = q_to.conjugate() * (q_from * *lens.unproject(from_px));
+  return lens.project(ray).value_or(Vector2d::Constant(1e6));
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+AttitudeHistory orientations(const Session& session) {
+  AttitudeHistory history(std::chrono::milliseconds(100));
+  ThesisEkf estimator;
+  for (const GyroSample& sample : session.gyro) {
+    history.append(estimator.update({sample.time, sample.gyro_rad_s, std::nullopt}));
+  }
+  return history;
+}
+
+/// Median distances, in pixels, between where corners went and where they were expected.
+struct Residuals {
+  double raw_px;       ///< expected where they were
+  double one_pose_px;  ///< turned by the camera from the middle of one frame to that of the next
+  double rows_px;      ///< turned from the instant of one row to that of the other
+};
+
+class PhoneCar : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const std::filesystem::path recording =
+        std::filesystem::path(GIMBALD_SHARED) / "data/sessions/phone-car";
+    if (!std::filesystem::exists(recording)) GTEST_SKIP() << "no recording phone-car here";
+    session_ = import_session(recording, folder_.path() / "session");
+    ASSERT_TRUE(session_) << session_.error().message;
+  }
+
+  [[nodiscard]] Residuals residuals(const std::vector<Track>& tracks) const;
+
+  test::TemporaryFolder folder_;
+  Result<Session> session_;
+};
+
+Residuals PhoneCar::residuals(const std::vector<Track>& tracks) const {
+  const Lens lens = *Lens::create(session_->camera->lens);
+  const RowTiming timing(*session_->camera);
+  const AttitudeHistory history = orientations(*session_);
+  const Eigen::Quaterniond q_imu_camera(Eigen::Matrix3d(session_->imu.R_camera_imu.transpose()));
+  const auto expected_px = [&](const Track& track, double from_line, double to_line) {
+    const auto q_world_camera = [&](const FrameStamp& stamp, double line) {
+      return history.at(timing.time_of_line(stamp, line)).q_world_imu * q_imu_camera;
+    };
+    return predicted_px(lens, track.from_px, q_world_camera(track.from, from_line),
+                        q_world_camera(track.to, to_line));
+  };
+  const double middle = timing.line_count() / 2.0;
+  std::vector<double> raw;
+  std::vector<double> one_pose;
+  std::vector<double> rows;
+  for (const Track& track : tracks) {
+    raw.push_back((track.to_px - track.from_px).norm());
+    one_pose.push_back((expected_px(track, middle, middle) - track.to_px).norm());
+    rows.push_back((expected_px(track, track.from_px.y(), track.to_px.y()) - track.to_px).norm());
+  }
+  return {median(raw), median(one_pose), median(rows)};
+}
+
+void print(const char* which, std::size_t count, const Residuals& residuals) {
+  fmt::print("median residual flow of {} {} corners: raw {:.3f} px, one pose a frame {:.3f} px, "
+             "every row its own {:.3f} px\n",
+             count, which, residuals.raw_px, residuals.one_pose_px, residuals.rows_px);
+}
+
+// The car drives: what is near moves by parallax, which no gyroscope knows, and soon leaves the
+// picture. Corners that last are on what is far, and there the gyro has to explain what is seen.
+TEST_F(PhoneCar, GyroExplainsThePicture) {
+  const std::vector<Picture> pictures = decode(*session_);
+  ASSERT_EQ(pictures.size(), 101U);
+  const auto lasting = track(pictures, 50);
+  ASSERT_GT(lasting.size(), 5000U);
+  const Residuals far = residuals(lasting);
+  print("lasting", lasting.size(), far);
+  EXPECT_GT(far.raw_px, 2.5);
+  EXPECT_LE(far.rows_px, 0.90);
+  EXPECT_LT(far.rows_px, 0.95 * far.one_pose_px);
+
+  const auto fresh = track(pictures, 1);
+  const Residuals all = residuals(fresh);
+  print("fresh", fresh.size(), all);
+  EXPECT_LT(all.rows_px, all.one_pose_px);
+  EXPECT_LT(all.rows_px, all.raw_px / 2);
+}
+
+}  // namespace
+}  // namespace gimbal
