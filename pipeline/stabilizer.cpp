@@ -117,7 +117,8 @@ LineOrientation Stabilizer::orientation_of(const FrameStamp& stamp) const {
 }
 
 SensorTime Stabilizer::readout_end(const FrameStamp& stamp) const {
-  return std::max(timing_.time_of_line(stamp, 0), timing_.time_of_line(stamp, timing_.line_count()));
+  return std::max(timing_.time_of_line(stamp, 0),
+                  timing_.time_of_line(stamp, timing_.line_count()));
 }
 
 PinholeIntrinsics Stabilizer::unzoomed() const {

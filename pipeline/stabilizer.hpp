@@ -61,7 +61,8 @@ class Stabilizer {
   /// The real camera at the reference line of the frame.
   [[nodiscard]] FramePose real_pose(const FrameStamp& stamp) const;
 
-  /// How the orientations inside the frame's readout were obtained: the worst of its first and last.
+  /// How the orientations inside the frame's readout were obtained: the worst of its first and
+  /// last.
   [[nodiscard]] AttitudeOrigin origin_of(const FrameStamp& stamp) const;
 
   [[nodiscard]] const AttitudeHistory& history() const { return history_; }
@@ -89,9 +90,9 @@ class Stabilizer {
 
   std::unique_ptr<Estimator> estimator_;
   AttitudeHistory history_;
-  std::deque<FrameStamp> waiting_;   ///< for the history to reach them
+  std::deque<FrameStamp> waiting_;  ///< for the history to reach them
   std::unique_ptr<CameraPath> path_;
-  std::deque<FramePose> on_path_;    ///< real poses whose steady ones are still to come
+  std::deque<FramePose> on_path_;  ///< real poses whose steady ones are still to come
   ViewLimiter limiter_;
 };
 

@@ -11,7 +11,8 @@ namespace gimbal {
 
 std::unique_ptr<Estimator> make_estimator(EstimatorKind kind) {
   switch (kind) {
-    case EstimatorKind::thesis: return std::make_unique<ThesisEkf>();
+    case EstimatorKind::thesis:
+      return std::make_unique<ThesisEkf>();
   }
   return nullptr;
 }

@@ -27,7 +27,8 @@ Result<void> write_orientations(const Session& session, Estimator& estimator, st
     const Attitude attitude = estimator.update(sample);
     const Eigen::Quaterniond& q = attitude.q_world_imu;
     stream << fmt::format("{},{:.9f},{:.9f},{:.9f},{:.9f}\n",
-                          format_seconds(attitude.time.time_since_epoch()), q.w(), q.x(), q.y(), q.z());
+                          format_seconds(attitude.time.time_since_epoch()), q.w(), q.x(), q.y(),
+                          q.z());
   });
   if (!replayed) return replayed;
   stream.flush();
@@ -57,7 +58,8 @@ void add_orient_command(CLI::App& app, CommandOutcome& outcome) {
   CLI::App* command =
       app.add_subcommand("orient", "Write the IMU's orientation at every gyro sample");
   const auto arguments = std::make_shared<Arguments>();
-  command->add_option("session", arguments->session, "Session folder, camera not needed")->required();
+  command->add_option("session", arguments->session, "Session folder, camera not needed")
+      ->required();
   command
       ->add_option("-o,--output", arguments->out,
                    "FILE.csv or - with t_s,qw,qx,qy,qz: q_world_imu, world z up")

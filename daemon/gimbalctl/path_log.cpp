@@ -11,8 +11,8 @@ namespace gimbal {
 Result<PathLog> PathLog::open(const std::filesystem::path& file) {
   std::ofstream stream(file);
   if (!stream) {
-    return bad_input(fmt::format("{}: cannot write the path log (does the folder exist?)",
-                                 file.string()));
+    return bad_input(
+        fmt::format("{}: cannot write the path log (does the folder exist?)", file.string()));
   }
   stream << "index,t_s,qw,qx,qy,qz,fx,fy,cx,cy,border_px\n";
   return PathLog(file, std::move(stream));
@@ -25,8 +25,8 @@ void PathLog::write(const VirtualCamera& camera, std::int64_t border_px) {
   const Eigen::Quaterniond& q = camera.q_world_camera;
   const PinholeIntrinsics& k = camera.intrinsics;
   stream_ << fmt::format("{},{},{:.9f},{:.9f},{:.9f},{:.9f},{:.4f},{:.4f},{:.4f},{:.4f},{}\n",
-                         camera.stamp.index, format_seconds(camera.stamp.time.time_since_epoch()), q.w(), q.x(),
-                         q.y(), q.z(), k.fx, k.fy, k.cx, k.cy, border_px);
+                         camera.stamp.index, format_seconds(camera.stamp.time.time_since_epoch()),
+                         q.w(), q.x(), q.y(), q.z(), k.fx, k.fy, k.cx, k.cy, border_px);
 }
 
 Result<void> PathLog::finish() {

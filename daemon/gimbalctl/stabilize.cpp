@@ -68,7 +68,8 @@ void add_options(CLI::App& command, Arguments& arguments) {
   static const std::map<std::string, EstimatorKind> estimators = {
       {"thesis", EstimatorKind::thesis}};
   StabilizeRequest& request = arguments.request;
-  command.add_option("session", request.session, "Session folder, or a video with a .gcsv beside it")
+  command
+      .add_option("session", request.session, "Session folder, or a video with a .gcsv beside it")
       ->required();
   command
       .add_option("-o,--output", request.out,
@@ -85,7 +86,8 @@ void add_options(CLI::App& command, Arguments& arguments) {
   command.add_option("--border", request.border, "What to show past the edge of the frame")
       ->transform(CLI::CheckedTransformer(borders))
       ->option_text("crop|extend|mirror|black [crop]");
-  command.add_option("--warper", arguments.warper, "What draws: gles or cpu (unset: gles, else cpu)")
+  command
+      .add_option("--warper", arguments.warper, "What draws: gles or cpu (unset: gles, else cpu)")
       ->check(CLI::IsMember({"gles", "cpu"}))
       ->option_text("gles|cpu");
   command.add_option("--estimator", request.estimator, "How orientation is estimated")
@@ -100,7 +102,8 @@ void add_options(CLI::App& command, Arguments& arguments) {
   command.add_option("--reference-row", request.reference_row,
                      "Row (column, for sensors that read columns) whose instant the picture shows "
                      "[the middle one]");
-  command.add_option("--path-log", request.path_log, "Write the virtual camera of each frame (CSV)");
+  command.add_option("--path-log", request.path_log,
+                     "Write the virtual camera of each frame (CSV)");
   command.add_option("--report", request.report, "Write what was done and measured (JSON)");
   command.add_flag_callback(
       "--quiet", [&request] { request.progress = ProgressStyle::quiet; }, "No progress bar");

@@ -30,11 +30,11 @@ struct StabilizeReport {
   std::int64_t frames_dropped = 0;
   /// Frames whose orientation was not measured (before, after or in a gap of the samples).
   std::int64_t frames_predicted = 0;
-  std::int64_t border_px = 0;         ///< output pixels without a source, all frames
-  std::int64_t border_px_most = 0;    ///< in the worst frame
+  std::int64_t border_px = 0;       ///< output pixels without a source, all frames
+  std::int64_t border_px_most = 0;  ///< in the worst frame
   double zoom_sum = 0;
   double zoom_most = 0;
-  double view_sum = 0;                ///< of 1/zoom²
+  double view_sum = 0;  ///< of 1/zoom²
   double rate_before_rad_s = 0;
   double rate_after_rad_s = 0;
 

@@ -27,10 +27,14 @@ constexpr double kShakeCutoffHz = 1.0;
 
 std::string to_string(Border border) {
   switch (border) {
-    case Border::crop: return "crop";
-    case Border::extend: return "extend";
-    case Border::mirror: return "mirror";
-    case Border::black: return "black";
+    case Border::crop:
+      return "crop";
+    case Border::extend:
+      return "extend";
+    case Border::mirror:
+      return "mirror";
+    case Border::black:
+      return "black";
   }
   return {};
 }
@@ -161,10 +165,9 @@ Result<void> Job::open_streams() {
   if (auto started = source_->start(); !started) return started;
   const CameraFormat format = source_->format();
   if (stabilizer_ && format.size != session_.camera->size) {
-    return bad_input(fmt::format(
-        "{}: frames are {}x{}, session.toml says {}x{} under [camera]", session_.video.string(),
-        format.size.width, format.size.height, session_.camera->size.width,
-        session_.camera->size.height));
+    return bad_input(fmt::format("{}: frames are {}x{}, session.toml says {}x{} under [camera]",
+                                 session_.video.string(), format.size.width, format.size.height,
+                                 session_.camera->size.width, session_.camera->size.height));
   }
   if (stabilizer_) {
     if (auto made = make_warper(format.size); !made) return made;

@@ -21,17 +21,17 @@ enum class Correction : std::uint8_t { rectify_and_stabilize, rectify_only };
 struct StabilizeRequest {
   std::filesystem::path session;
   std::string out;
-  double amount = 1;                     ///< 0 (rectified only) to 1
-  PathLatency latency;                   ///< frames; none for the whole recording
-  std::optional<double> zoom;            ///< none: as little as is needed
+  double amount = 1;           ///< 0 (rectified only) to 1
+  PathLatency latency;         ///< frames; none for the whole recording
+  std::optional<double> zoom;  ///< none: as little as is needed
   Border border = Border::crop;
-  std::optional<WarperKind> warper;      ///< none: GLES, else the CPU
+  std::optional<WarperKind> warper;  ///< none: GLES, else the CPU
   EstimatorKind estimator = EstimatorKind::thesis;
   PathKind path = PathKind::adaptive_hann;
   Correction correction = Correction::rectify_and_stabilize;
-  std::optional<double> reference_row;   ///< none: the middle
-  std::filesystem::path path_log;        ///< empty: none
-  std::filesystem::path report;          ///< empty: none
+  std::optional<double> reference_row;  ///< none: the middle
+  std::filesystem::path path_log;       ///< empty: none
+  std::filesystem::path report;         ///< empty: none
   ProgressStyle progress = ProgressStyle::automatic;
 };
 

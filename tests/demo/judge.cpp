@@ -1,5 +1,6 @@
-// Judges a stabilized synthetic recording by the files that anyone has: the session with its truth, the orientation that was
-// estimated, and the path log. Prints a table of what improved and writes the curves for the plots.
+// Judges a stabilized synthetic recording by the files that anyone has: the session with its truth,
+// the orientation that was estimated, and the path log. Prints a table of what improved and writes
+// the curves for the plots.
 //
 //   demo_judge SESSION ORIENTATION.csv PATH_LOG.csv OUTPUT_FOLDER
 
@@ -84,7 +85,8 @@ std::vector<VirtualCamera> read_path_log(const std::filesystem::path& file) {
       file, {"index", "t_s", "qw", "qx", "qy", "qz", "fx", "fy", "cx", "cy"},
       [&](const CsvReader& csv, const CsvRow& row) {
         const auto at = [&](std::size_t column) { return value_or_exit(csv.number(row, column)); };
-        const auto time = value_or_exit(csv.time(row, 1, TimeUnit::seconds)).value_or(SensorDuration{});
+        const auto time =
+            value_or_exit(csv.time(row, 1, TimeUnit::seconds)).value_or(SensorDuration{});
         cameras.push_back({{value_or_exit(csv.integer(row, 0)), SensorTime(time), std::nullopt},
                            quaternion_at(csv, row, 2),
                            {at(6), at(7), at(8), at(9)}});
@@ -93,8 +95,9 @@ std::vector<VirtualCamera> read_path_log(const std::filesystem::path& file) {
 }
 
 Quaterniond interpolate(const std::vector<TrueLine>& lines, double line) {
-  const auto after = std::lower_bound(lines.begin() + 1, lines.end() - 1, line,
-                                      [](const TrueLine& l, double value) { return l.line < value; });
+  const auto after =
+      std::lower_bound(lines.begin() + 1, lines.end() - 1, line,
+                       [](const TrueLine& l, double value) { return l.line < value; });
   const auto before = after - 1;
   const double part = (line - before->line) / (after->line - before->line);
   return before->q_world_camera.slerp(std::clamp(part, 0.0, 1.0), after->q_world_camera);
@@ -112,8 +115,7 @@ struct Picture {
            ImageSize size) {
     const Quaterniond q_shown_true = test::common_rotation(points);
     seen_from.push_back({camera.stamp, camera.q_world_camera * q_shown_true.conjugate()});
-    const auto errors =
-        test::errors_px(test::without_common_rotation(points), camera.intrinsics);
+    const auto errors = test::errors_px(test::without_common_rotation(points), camera.intrinsics);
     for (std::size_t i = 0; i < points.size(); ++i) {
       const auto row = static_cast<std::size_t>(
           std::floor(points[i].output_px.y() / (size.height - 1.0) * kGridRows));
@@ -153,8 +155,8 @@ Judgement judge(const Session& session, const Truth& truth, const AttitudeHistor
     const WarpMesh mesh =
         build_warp_mesh(lens, calibration.size, calibration.readout_direction, estimated, camera,
                         calibration.size, Border::crop, MeshDensity{});
-    judgement.written.add(compare([&](const auto& p) { return source_of(mesh, p); }, camera), camera,
-                          calibration.size);
+    judgement.written.add(compare([&](const auto& p) { return source_of(mesh, p); }, camera),
+                          camera, calibration.size);
     const VirtualCamera as_recorded{
         camera.stamp, true_orientation((calibration.size.height - 1) / 2.0), recorded_intrinsics};
     judgement.recorded.add(compare([](const auto& p) { return std::optional(p); }, as_recorded),
@@ -196,7 +198,8 @@ void write_path(const Judgement& judgement, const std::filesystem::path& file) {
 /// The frame that the rolling shutter bent most, for the picture.
 std::int64_t most_bent_frame(const Judgement& judgement) {
   const Picture& recorded = judgement.recorded;
-  const auto worst = std::max_element(recorded.frame_error_px.begin(), recorded.frame_error_px.end());
+  const auto worst =
+      std::max_element(recorded.frame_error_px.begin(), recorded.frame_error_px.end());
   const auto place = static_cast<std::size_t>(worst - recorded.frame_error_px.begin());
   return recorded.seen_from.at(place).stamp.index;
 }
@@ -234,9 +237,8 @@ int main(int argc, char** argv) {
     fmt::print(stderr, "demo_judge: {}: no camera calibration\n", argv[1]);
     return 2;
   }
-  const Judgement judgement =
-      judge(session, read_truth(session.folder / "truth_rows.csv"), read_orientation(argv[2]),
-            read_path_log(argv[3]));
+  const Judgement judgement = judge(session, read_truth(session.folder / "truth_rows.csv"),
+                                    read_orientation(argv[2]), read_path_log(argv[3]));
   write_rows(judgement, session.camera->size.height, folder / "rows.dat");
   write_path(judgement, folder / "path.dat");
   fmt::output_file((folder / "most_bent_frame.txt").string())

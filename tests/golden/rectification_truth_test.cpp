@@ -1,6 +1,7 @@
-// Rectified and stabilized pictures against the truth: where each point of a written frame is shown, and where a camera with
-// a global shutter in the virtual camera's place would have shown it. The motion is a real hand's, known exactly at every
-// instant; the figures are for the iPod touch of the thesis at 1280x720 with a readout of 30 ms.
+// Rectified and stabilized pictures against the truth: where each point of a written frame is
+// shown, and where a camera with a global shutter in the virtual camera's place would have shown
+// it. The motion is a real hand's, known exactly at every instant; the figures are for the iPod
+// touch of the thesis at 1280x720 with a readout of 30 ms.
 
 #include <fmt/core.h>
 #include <gtest/gtest.h>
@@ -47,15 +48,15 @@ ImuCalibration phone_axes() {
 Motion hand_motion(double start_s, double duration_s) {
   const auto session = open_session(std::filesystem::path(GIMBALD_MOTIONS) / "iphone-handheld");
   if (!session) throw std::runtime_error(session.error().message);
-  auto motion = make_recorded_motion({session->gyro, session->accel, phone_axes().R_camera_imu},
-                                     duration_from_seconds(start_s),
-                                     duration_from_seconds(duration_s));
+  auto motion =
+      make_recorded_motion({session->gyro, session->accel, phone_axes().R_camera_imu},
+                           duration_from_seconds(start_s), duration_from_seconds(duration_s));
   if (!motion) throw std::runtime_error(motion.error().message);
   return *motion;
 }
 
-/// A phone's sensors: 100 Hz like the log, the log's own bias, noise as in data sheets (BMI160: 0.007
-/// deg/s/√Hz, 180 µg/√Hz).
+/// A phone's sensors: 100 Hz like the log, the log's own bias, noise as in data sheets (BMI160:
+/// 0.007 deg/s/√Hz, 180 µg/√Hz).
 SyntheticImuSettings phone_sensors(double duration_s) {
   SyntheticImuSettings settings;
   settings.R_camera_imu = phone_axes().R_camera_imu;
@@ -90,7 +91,9 @@ struct Part {
   double duration_s;
 };
 
-void PrintTo(const Part& part, std::ostream* stream) { *stream << part.name; }
+void PrintTo(const Part& part, std::ostream* stream) {
+  *stream << part.name;
+}
 
 /// Errors of all frames of a part, in output pixels.
 struct Errors {
@@ -110,7 +113,8 @@ class Rectification : public ::testing::TestWithParam<Part> {
         camera_(ipod_touch()),
         lens_(*Lens::create(camera_.lens)) {}
 
-  /// The instants of rows, written out here once more so that the pipeline's are not their own truth.
+  /// The instants of rows, written out here once more so that the pipeline's are not their own
+  /// truth.
   [[nodiscard]] test::TrueOrientation truth_of(const FrameStamp& stamp) const {
     return [this, stamp](double line) {
       const double fraction = std::clamp(line, 0.0, kSize.height - 1.0) / kSize.height;
@@ -159,10 +163,11 @@ void Rectification::measure(const Stabilizer& stabilizer, const VirtualCamera& c
   append(errors.after_without_rotation,
          test::errors_px(test::without_common_rotation(drawn), camera.intrinsics));
 
-  const VirtualCamera as_recorded{camera.stamp, truth((kSize.height - 1) / 2.0),
-                                  {1223.0, 1217.5, 650.4, 345.3}};
+  const VirtualCamera as_recorded{
+      camera.stamp, truth((kSize.height - 1) / 2.0), {1223.0, 1217.5, 650.4, 345.3}};
   const auto raw = compare([](const auto& pixel) { return std::optional(pixel); }, as_recorded);
-  append(errors.before, test::errors_px(test::without_common_rotation(raw), as_recorded.intrinsics));
+  append(errors.before,
+         test::errors_px(test::without_common_rotation(raw), as_recorded.intrinsics));
 }
 
 std::vector<ImuSample> samples_of(ImuSource& source) {
@@ -183,10 +188,11 @@ TEST_P(Rectification, TrueOrientationDrawsTheTruth) {
     instants.push_back({time_from_seconds(t), Eigen::Vector3d::Zero(), std::nullopt});
   }
   const Errors errors = run(std::make_unique<TruthEstimator>(motion_, phone_axes()), instants);
-  fmt::print("{}: before mean {:.3f} max {:.2f} px; after, true orientation: mean {:.4f} max {:.4f} "
-             "px\n",
-             GetParam().name, test::mean(errors.before), test::maximum(errors.before),
-             test::mean(errors.after), test::maximum(errors.after));
+  fmt::print(
+      "{}: before mean {:.3f} max {:.2f} px; after, true orientation: mean {:.4f} max {:.4f} "
+      "px\n",
+      GetParam().name, test::mean(errors.before), test::maximum(errors.before),
+      test::mean(errors.after), test::maximum(errors.after));
   EXPECT_GT(test::mean(errors.before), test::mean(errors.after));
   EXPECT_LE(test::mean(errors.after), 0.10);
   EXPECT_LE(test::maximum(errors.after), 0.5);
@@ -196,11 +202,11 @@ TEST_P(Rectification, NoisySensorsStayClose) {
   const auto imu = SyntheticImu::create(phone_sensors(GetParam().duration_s), motion_);
   ASSERT_TRUE(imu) << imu.error().message;
   const Errors errors = run(std::make_unique<ThesisEkf>(), samples_of(**imu));
-  fmt::print("{}: before mean {:.3f} max {:.2f} px; after, noisy sensors: mean {:.4f} max {:.4f} px "
-             "(one rotation a frame taken out)\n",
-             GetParam().name, test::mean(errors.before), test::maximum(errors.before),
-             test::mean(errors.after_without_rotation),
-             test::maximum(errors.after_without_rotation));
+  fmt::print(
+      "{}: before mean {:.3f} max {:.2f} px; after, noisy sensors: mean {:.4f} max {:.4f} px "
+      "(one rotation a frame taken out)\n",
+      GetParam().name, test::mean(errors.before), test::maximum(errors.before),
+      test::mean(errors.after_without_rotation), test::maximum(errors.after_without_rotation));
   EXPECT_LE(test::mean(errors.after_without_rotation), 0.6);
 }
 

@@ -1,5 +1,6 @@
-// What a user may hand over by mistake. Each case spoils one thing of a good recording and runs the program on it: it
-// must refuse with one line and status 2, or finish with a warning and write a video. It must never crash or hang.
+// What a user may hand over by mistake. Each case spoils one thing of a good recording and runs the
+// program on it: it must refuse with one line and status 2, or finish with a warning and write a
+// video. It must never crash or hang.
 
 #include <gtest/gtest.h>
 
@@ -72,8 +73,7 @@ void set_line(const fs::path& file, const std::string& key, const std::string& l
 }
 
 /// Applies `change` to the time stamp of every data row of a log whose stamps stand in `column`.
-void change_times(const fs::path& file, int column,
-                  const std::function<double(double)>& change) {
+void change_times(const fs::path& file, int column, const std::function<double(double)>& change) {
   std::istringstream lines(content_of(file));
   std::ostringstream content;
   content.precision(12);
@@ -105,9 +105,9 @@ void keep_lines(const fs::path& file, std::size_t count) {
 }
 
 enum class Outcome {
-  refused,            ///< status 2 and one line
-  finished_warned,    ///< status 0, a warning, a video
-  either,             ///< one of the two
+  refused,          ///< status 2 and one line
+  finished_warned,  ///< status 0, a warning, a video
+  either,           ///< one of the two
 };
 
 struct Case {
@@ -116,7 +116,9 @@ struct Case {
   std::function<void(const fs::path& session)> spoil;
 };
 
-void PrintTo(const Case& c, std::ostream* stream) { *stream << c.name; }
+void PrintTo(const Case& c, std::ostream* stream) {
+  *stream << c.name;
+}
 
 std::vector<Case> cases() {
   const auto gyro = [](const fs::path& s) { return s / "gyro.csv"; };
@@ -240,7 +242,9 @@ struct Usage {
   std::vector<std::string> arguments;
 };
 
-void PrintTo(const Usage& u, std::ostream* stream) { *stream << u.name; }
+void PrintTo(const Usage& u, std::ostream* stream) {
+  *stream << u.name;
+}
 
 class BadUsage : public ::testing::TestWithParam<Usage> {};
 

@@ -1,5 +1,6 @@
-// The gyro must explain how the picture of a real recording moves: corners tracked from frame to frame, less the motion
-// that the orientation of their rows predicts. The reference is the picture itself; OpenCV tracks.
+// The gyro must explain how the picture of a real recording moves: corners tracked from frame to
+// frame, less the motion that the orientation of their rows predicts. The reference is the picture
+// itself; OpenCV tracks.
 
 #include <fmt/core.h>
 #include <gtest/gtest.h>
@@ -10,8 +11,8 @@
 #include <opencv2/video/tracking.hpp>
 #include <vector>
 
-#include "drivers/replay/replay_camera.hpp"
 #include "drivers/replay/import/importer.hpp"
+#include "drivers/replay/replay_camera.hpp"
 #include "pipeline/estimator/thesis_ekf.hpp"
 #include "pipeline/lens/lens.hpp"
 #include "pipeline/smoother/attitude_history.hpp"
@@ -97,7 +98,9 @@ std::vector<Track> track(const std::vector<Picture>& pictures, std::size_t renew
     const auto steps = follow(pictures[i].luma, pictures[i + 1].luma, corners);
     corners.clear();
     for (const Step& step : steps) {
-      tracks.push_back({pictures[i].stamp, pictures[i + 1].stamp, {step.from.x, step.from.y},
+      tracks.push_back({pictures[i].stamp,
+                        pictures[i + 1].stamp,
+                        {step.from.x, step.from.y},
                         {step.to.x, step.to.y}});
       corners.push_back(step.to);
     }
@@ -175,9 +178,10 @@ Residuals PhoneCar::residuals(const std::vector<Track>& tracks) const {
 }
 
 void print(const char* which, std::size_t count, const Residuals& residuals) {
-  fmt::print("median residual flow of {} {} corners: raw {:.3f} px, one pose a frame {:.3f} px, "
-             "every row its own {:.3f} px\n",
-             count, which, residuals.raw_px, residuals.one_pose_px, residuals.rows_px);
+  fmt::print(
+      "median residual flow of {} {} corners: raw {:.3f} px, one pose a frame {:.3f} px, "
+      "every row its own {:.3f} px\n",
+      count, which, residuals.raw_px, residuals.one_pose_px, residuals.rows_px);
 }
 
 // The car drives: what is near moves by parallax, which no gyroscope knows, and soon leaves the

@@ -51,8 +51,8 @@ TEST(FrameOutline, ARollNeedsWhatGeometrySays) {
 TEST(FrameOutline, AViewThatLooksPastTheEdgeNeverFits) {
   const auto outline = outline_of(turning(Eigen::Vector3d::UnitZ(), 0));
   for (const double angle : {0.6, 3.0}) {
-    EXPECT_TRUE(std::isinf(required_zoom(outline, turned(Eigen::Vector3d::UnitY(), angle),
-                                         kIntrinsics, kSize)));
+    EXPECT_TRUE(std::isinf(
+        required_zoom(outline, turned(Eigen::Vector3d::UnitY(), angle), kIntrinsics, kSize)));
   }
 }
 
