@@ -37,9 +37,11 @@ struct ZoomChoice {
 /// Keeps views inside their frames: chooses the zoom, and where the zoom does not suffice turns the
 /// view back towards the real camera, as little as needed, gradually.
 ///
-/// When everything is known beforehand (latency none) the zoom is constant and a turn back begins
-/// before it is needed. With a limited latency the zoom only ever grows, and a turn back is as sudden
-/// as the need for it, its end gradual.
+/// When everything is known beforehand (latency none) the zoom is constant, and where the steady
+/// view does not fit a less steady one takes its place: the real camera through a shorter and
+/// shorter low-pass, gradually from frame to frame, so that its shake does not come back with it.
+/// With a limited latency the zoom only ever grows, and a turn back is as sudden as the need for
+/// it, its end gradual.
 class ViewLimiter {
  public:
   ViewLimiter(ZoomChoice zoom, PathLatency latency);
@@ -49,8 +51,8 @@ class ViewLimiter {
   [[nodiscard]] std::optional<FittedView> pop();
 
  private:
-  void release(const WantedView& view, double share);
-  void release_all();
+  void fit_next(const WantedView& view);
+  void fit_all();
 
   ZoomChoice choice_;
   PathLatency latency_;
