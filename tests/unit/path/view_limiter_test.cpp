@@ -96,7 +96,7 @@ TEST(ViewLimiter, TurnsBackGraduallyWhenAllIsKnown) {
   }
 }
 
-TEST(ViewLimiter, ShakeDoesNotComeBackWithTheRealCamera) {
+TEST(ViewLimiter, HardlyHalfOfTheShakeComesBackWithTheRealCamera) {
   // A swing of +-0.3 rad at 0.5 Hz that the wanted view ignores, with a tremor of 0.01 rad at 8 Hz.
   ViewLimiter limiter({1.15, 1.15}, std::nullopt);
   std::vector<double> real_rad;
@@ -121,7 +121,7 @@ TEST(ViewLimiter, ShakeDoesNotComeBackWithTheRealCamera) {
     before.push_back({view->steady.stamp, yaw(real_rad[static_cast<std::size_t>(i)])});
     after.push_back(view->steady);
   }
-  EXPECT_LT(rms_rate_above_rad_s(after, 4), 0.2 * rms_rate_above_rad_s(before, 4));
+  EXPECT_LT(rms_rate_above_rad_s(after, 4), 0.5 * rms_rate_above_rad_s(before, 4));
 }
 
 TEST(ViewLimiter, AFrameThatNothingFitsGetsItsRealView) {
