@@ -14,6 +14,8 @@ namespace gimbal {
 namespace {
 
 constexpr auto kPollInterval = std::chrono::milliseconds(50);
+/// Threads come and go while the file's streams are found out.
+constexpr auto kPatienceWithoutThreads = std::chrono::milliseconds(500);
 /// What was decoded before an error still comes; GStreamer says no more when it has all come.
 constexpr auto kPatienceAfterFailure = std::chrono::seconds(2);
 
@@ -125,7 +127,7 @@ void VideoDecoder::interrupt() {
 
 Result<GstSamplePtr> VideoDecoder::pull() {
   constexpr auto kPollNanoseconds = std::chrono::nanoseconds(kPollInterval).count();
-  for (auto waited = std::chrono::milliseconds(0);; waited += kPollInterval) {
+  for (auto waited = kPollInterval;; waited += kPollInterval) {
     GstSamplePtr sample(gst_app_sink_try_pull_sample(GST_APP_SINK(sink_.get()),
                                                      static_cast<GstClockTime>(kPollNanoseconds)));
     if (sample || is_interrupted_) {
@@ -135,7 +137,9 @@ Result<GstSamplePtr> VideoDecoder::pull() {
     if (is_at_end() || (failure_ && waited >= kPatienceAfterFailure)) {
       return GstSamplePtr();
     }
-    if (waited >= patience_) {
+    if (waited >= kPatienceWithoutThreads && !is_streaming(pipeline_)) {
+      note_failure("it is cut short or broken");
+    } else if (waited >= patience_) {
       return failed(fmt::format("{}: no picture came for {} s", path_.string(),
                                 std::chrono::duration<double>(patience_).count()));
     }
@@ -158,10 +162,17 @@ void VideoDecoder::drain_bus() {
   while (const GstMessagePtr message{gst_bus_pop(bus.get())}) {
     if (gst_is_missing_plugin_message(message.get())) {
       missing_plugin_ = missing_plugin_text(message.get());
-    } else if (GST_MESSAGE_TYPE(message.get()) == GST_MESSAGE_ERROR && !failure_) {
-      failure_ = message_text(message.get());
-      warnings_.push_back(fmt::format("{}: damaged: {}", path_.string(), *failure_));
+    } else if (GST_MESSAGE_TYPE(message.get()) == GST_MESSAGE_ERROR) {
+      note_failure(message_text(message.get()));
     }
+  }
+}
+
+/// The first one counts; what follows is its consequence.
+void VideoDecoder::note_failure(std::string text) {
+  if (!failure_) {
+    failure_ = std::move(text);
+    warnings_.push_back(fmt::format("{}: damaged: {}", path_.string(), *failure_));
   }
 }
 

@@ -46,6 +46,7 @@ class VideoDecoder {
   [[nodiscard]] bool is_at_end() const;
   [[nodiscard]] bool has_video() const;
   void drain_bus();
+  void note_failure(std::string text);
   [[nodiscard]] Error no_picture() const;
 
   std::filesystem::path path_;

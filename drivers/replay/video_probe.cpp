@@ -18,6 +18,8 @@ namespace {
 
 constexpr GstClockTime kPollInterval = 100 * GST_MSECOND;
 constexpr int kPatiencePolls = 100;
+/// Threads come and go while the file's streams are found out.
+constexpr int kPatiencePollsWithoutThreads = 5;
 
 /// What passes by while the file is read, noted by GStreamer's threads.
 struct Scan {
@@ -109,6 +111,9 @@ std::string run_to_end(const GstPipelinePtr& pipeline, const Scan& scan) {
     if (scan.buffers != buffers_before) {
       buffers_before = scan.buffers;
       idle_polls = 0;
+    }
+    if (idle_polls >= kPatiencePollsWithoutThreads && !is_streaming(pipeline)) {
+      return "it is cut short or broken";
     }
   }
   return fmt::format("nothing came for {} s", kPatiencePolls * kPollInterval / GST_SECOND);

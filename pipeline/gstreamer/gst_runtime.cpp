@@ -38,6 +38,21 @@ std::string quoted_part(const std::string& sentence) {
   return end == std::string::npos ? std::string() : sentence.substr(begin + 1, end - begin - 1);
 }
 
+gboolean note_running_task(GstElement* /*element*/, GstPad* pad, gpointer is_running) {
+  GST_OBJECT_LOCK(pad);
+  const GstTask* task = GST_PAD_TASK(pad);
+  if (task != nullptr && GST_TASK_STATE(task) == GST_TASK_STARTED) {
+    *static_cast<bool*>(is_running) = true;
+  }
+  GST_OBJECT_UNLOCK(pad);
+  return TRUE;
+}
+
+void note_running_tasks(const GValue* item, gpointer is_running) {
+  auto* element = static_cast<GstElement*>(g_value_get_object(item));
+  gst_element_foreach_pad(element, note_running_task, is_running);
+}
+
 Error parse_error(GError* error) {
   const bool is_missing =
       g_error_matches(error, GST_PARSE_ERROR, GST_PARSE_ERROR_NO_SUCH_ELEMENT) != FALSE;
@@ -66,6 +81,16 @@ Result<GstPipelinePtr> parse_pipeline(const std::string& text) {
 
 GstElementPtr element_named(const GstPipelinePtr& pipeline, const char* name) {
   return GstElementPtr(gst_bin_get_by_name(GST_BIN(pipeline.get()), name));
+}
+
+bool is_streaming(const GstPipelinePtr& pipeline) {
+  bool is_running = false;
+  GstIterator* elements = gst_bin_iterate_recurse(GST_BIN(pipeline.get()));
+  while (gst_iterator_foreach(elements, note_running_tasks, &is_running) == GST_ITERATOR_RESYNC) {
+    gst_iterator_resync(elements);  // an element came or went meanwhile
+  }
+  gst_iterator_free(elements);
+  return is_running;
 }
 
 bool is_element_installed(const char* element) {

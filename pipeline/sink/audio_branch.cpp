@@ -10,7 +10,7 @@
 namespace gimbal {
 namespace {
 
-constexpr GstClockTime kPatience = 20 * GST_SECOND;
+constexpr GstClockTime kPatience = 5 * GST_SECOND;
 
 std::string_view media_type(const GstCaps* caps) {
   return gst_structure_get_name(gst_caps_get_structure(caps, 0));
@@ -37,11 +37,13 @@ GstCapsPtr audio_in(GstMessage* collection_message) {
 
 /// The parser's own list, as a demuxer's may come before it and be incomplete; or an error; or
 /// nothing in time.
-GstMessagePtr wait_for_streams(GstBus* bus, const GstElementPtr& parser) {
+GstMessagePtr wait_for_streams(const GstPipelinePtr& pipeline) {
+  const GstBusPtr bus(gst_element_get_bus(pipeline.get()));
+  const GstElementPtr parser = element_named(pipeline, "parser");
   constexpr auto kAnswers =
       static_cast<GstMessageType>(GST_MESSAGE_STREAM_COLLECTION | GST_MESSAGE_ERROR);
   for (;;) {
-    GstMessagePtr answer(gst_bus_timed_pop_filtered(bus, kPatience, kAnswers));
+    GstMessagePtr answer(gst_bus_timed_pop_filtered(bus.get(), kPatience, kAnswers));
     if (!answer || GST_MESSAGE_TYPE(answer.get()) == GST_MESSAGE_ERROR ||
         GST_MESSAGE_SRC(answer.get()) == GST_OBJECT(parser.get())) {
       return answer;
@@ -57,8 +59,7 @@ Result<GstCapsPtr> find_audio(const std::filesystem::path& file) {
   }
   g_object_set(element_named(*pipeline, "file").get(), "location", file.c_str(), nullptr);
   gst_element_set_state(pipeline->get(), GST_STATE_PAUSED);
-  const GstBusPtr bus(gst_element_get_bus(pipeline->get()));
-  const GstMessagePtr answer = wait_for_streams(bus.get(), element_named(*pipeline, "parser"));
+  const GstMessagePtr answer = wait_for_streams(*pipeline);
   if (!answer) {
     return failed("it does not say what streams it has");
   }

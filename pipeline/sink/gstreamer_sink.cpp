@@ -146,6 +146,14 @@ Result<void> GstreamerSink::check(const VideoFrame& frame) const {
   return {};
 }
 
+SensorDuration GstreamerSink::shown_for(const VideoFrame& frame) const {
+  constexpr double kUsualFps = 30;
+  if (format_.fps > 0) {
+    return duration_from_seconds(1 / format_.fps);
+  }
+  return first_time_ ? frame.stamp.time - last_time_ : duration_from_seconds(1 / kUsualFps);
+}
+
 Result<void> GstreamerSink::write(const VideoFrame& frame) {
   if (auto checked = check(frame); !checked) {
     return explain(checked);
@@ -153,16 +161,14 @@ Result<void> GstreamerSink::write(const VideoFrame& frame) {
   if (auto room = progress_.wait_for_room(kQueuedFrames); !room) {
     return explain(room);
   }
+  const SensorDuration duration = shown_for(frame);
   first_time_ = first_time_.value_or(frame.stamp.time);
   last_time_ = frame.stamp.time;
   VideoFrame visible = frame;
   visible.size = format_.size;
   GstBufferPtr buffer = wrap_frame(visible);
   GST_BUFFER_PTS(buffer.get()) = static_cast<GstClockTime>((last_time_ - *first_time_).count());
-  if (format_.fps > 0) {
-    GST_BUFFER_DURATION(buffer.get()) =
-        static_cast<GstClockTime>(duration_from_seconds(1 / format_.fps).count());
-  }
+  GST_BUFFER_DURATION(buffer.get()) = static_cast<GstClockTime>(duration.count());
   progress_.frame_queued();
   if (gst_app_src_push_buffer(GST_APP_SRC(source_.get()), buffer.release()) != GST_FLOW_OK) {
     progress_.failed_with("the GStreamer pipeline takes no more pictures");

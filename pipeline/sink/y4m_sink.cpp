@@ -172,8 +172,9 @@ Result<void> Y4mSink::write_bytes() {
 }
 
 Result<void> Y4mSink::close_file() {
-  const int descriptor = std::exchange(descriptor_, STDOUT_FILENO);
-  if (descriptor != STDOUT_FILENO && ::close(descriptor) != 0) {
+  const int descriptor = std::exchange(descriptor_, -1);
+  const bool is_ours = descriptor >= 0 && descriptor != STDOUT_FILENO;
+  if (is_ours && ::close(descriptor) != 0) {
     return failed(fmt::format("{}: {}; it may be incomplete", name_, std::strerror(errno)));
   }
   return {};

@@ -33,7 +33,7 @@ class Y4mSink final : public FrameSink {
   [[nodiscard]] Result<void> write_bytes();
   [[nodiscard]] Result<void> close_file();
 
-  int descriptor_;
+  int descriptor_;  ///< below zero once closed
   std::string name_;
   SinkFormat format_;
   std::vector<std::string> warnings_;

@@ -3,35 +3,42 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <fstream>
+#include <ostream>
+#include <thread>
 
 #include "tests/support/gst_playback.hpp"
+#include "tests/support/gst_registry.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/test_pictures.hpp"
 
 namespace gimbal {
 namespace {
 
-using ::testing::HasSubstr;
 using test::irregular_stamps;
+using ::testing::HasSubstr;
+using ::testing::Not;
 
-/// A lossless 64x48 video whose luma pixels are known, at 10 pictures a second, made without the code
-/// under test: raw pictures are put into a file and encoded from there.
+/// A lossless 64x48 video whose luma pixels are known, at 10 pictures a second, made without the
+/// code under test: raw pictures are put into a file and encoded from there.
 void make_lossless_video(const std::filesystem::path& path, int count, const std::string& encoder) {
   const std::filesystem::path raw = path.string() + ".raw";
   std::ofstream file(raw, std::ios::binary);
   for (int frame = 0; frame < count; ++frame) {
     for (const int plane : {0, 1, 2}) {
-      const auto bytes = test::packed_plane(frame, plane, plane == 0 ? 64 : 32, plane == 0 ? 48 : 24);
+      const auto bytes =
+          test::packed_plane(frame, plane, plane == 0 ? 64 : 32, plane == 0 ? 48 : 24);
       file.write(reinterpret_cast<const char*>(bytes.data()),
                  static_cast<std::streamsize>(bytes.size()));
     }
   }
   file.close();
-  test::run_pipeline(fmt::format("filesrc location={} blocksize={} ! rawvideoparse width=64 height=48 "
-                                 "format=i420 framerate=10/1 colorimetry=bt709 ! {} ! filesink location={}",
-                                 raw.string(), 64 * 48 * 3 / 2, encoder, path.string()));
+  test::run_pipeline(
+      fmt::format("filesrc location={} blocksize={} ! rawvideoparse width=64 height=48 "
+                  "format=i420 framerate=10/1 colorimetry=bt709 ! {} ! filesink location={}",
+                  raw.string(), 64 * 48 * 3 / 2, encoder, path.string()));
 }
 
 void expect_picture(const VideoFrame& frame, std::int64_t index) {
@@ -94,7 +101,8 @@ TEST_P(LosslessVideoTest, DeliversTheVeryPixelsWithTheListsStamps) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Encoders, LosslessVideoTest,
-                         ::testing::Values("identity", "avenc_ffv1", "x264enc pass=quant quantizer=0"));
+                         ::testing::Values("identity", "avenc_ffv1",
+                                           "x264enc pass=quant quantizer=0"));
 
 TEST(ReplayCamera, LeavesOutPicturesThatHaveNoStamp) {
   const test::TemporaryFolder folder;
@@ -114,6 +122,193 @@ TEST(ReplayCamera, LeavesOutPicturesThatHaveNoStamp) {
   }
   EXPECT_EQ(camera.frames_without_stamp(), 3);
   EXPECT_EQ(camera.stamps_without_frame(), 0);
+}
+
+class ReplayCameraTest : public ::testing::Test {
+ protected:
+  test::TemporaryFolder folder_;
+  std::filesystem::path video_ = folder_.path() / "video.mkv";
+
+  void SetUp() override { make_lossless_video(video_, 12, "avenc_ffv1 ! matroskamux"); }
+};
+
+TEST_F(ReplayCameraTest, LongerFrameListIsCountedAndSaid) {
+  ReplayCamera camera(video_, irregular_stamps(15), 0);
+  ASSERT_TRUE(camera.start());
+  EXPECT_EQ(read_all(camera).size(), 12U);
+  EXPECT_EQ(camera.stamps_without_frame(), 3);
+  EXPECT_EQ(camera.frames_without_stamp(), 0);
+  ASSERT_EQ(camera.warnings().size(), 1U);
+  EXPECT_THAT(camera.warnings()[0], HasSubstr("no picture for the last 3 stamps"));
+}
+
+TEST_F(ReplayCameraTest, ShorterFrameListLeavesPicturesOut) {
+  ReplayCamera camera(video_, irregular_stamps(5), 0);
+  ASSERT_TRUE(camera.start());
+  EXPECT_EQ(read_all(camera).size(), 5U);
+  EXPECT_EQ(camera.frames_without_stamp(), 7);
+  EXPECT_EQ(camera.stamps_without_frame(), 0);
+  ASSERT_EQ(camera.warnings().size(), 1U);
+  EXPECT_THAT(camera.warnings()[0], HasSubstr("7 pictures have no stamp"));
+}
+
+TEST_F(ReplayCameraTest, RateOfTheSessionGoesBeforeTheVideos) {
+  ReplayCamera camera(video_, irregular_stamps(12), 29.5);
+  ASSERT_TRUE(camera.start());
+  EXPECT_DOUBLE_EQ(camera.format().fps, 29.5);
+}
+
+TEST_F(ReplayCameraTest, FramesOutliveTheCamera) {
+  std::vector<VideoFrame> frames;
+  {
+    ReplayCamera camera(video_, irregular_stamps(12), 0);
+    ASSERT_TRUE(camera.start());
+    frames = read_all(camera);
+  }
+  ASSERT_EQ(frames.size(), 12U);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    expect_picture(frames[i], static_cast<std::int64_t>(i));
+  }
+}
+
+TEST_F(ReplayCameraTest, StopWakesAWaitingReader) {
+  ReplayCamera camera(video_, irregular_stamps(12), 0);
+  ASSERT_TRUE(camera.start());
+  std::thread stopper([&] { camera.stop(); });
+  for (;;) {  // ends by itself or by the other thread, whichever comes first
+    const auto frame = camera.read();
+    ASSERT_TRUE(frame) << frame.error().message;
+    if (!*frame) {
+      break;
+    }
+  }
+  stopper.join();
+  EXPECT_EQ(*camera.read(), std::nullopt);
+}
+
+TEST(ReplayCameraErrorsTest, RefusesWhatIsNoVideo) {
+  const test::TemporaryFolder folder;
+  folder.write("text.mp4", "This is not a video.\n");
+  folder.write("empty.mkv", "");
+  folder.write("zeros.mp4", std::string(4096, '\0'));
+  test::run_pipeline(
+      fmt::format("audiotestsrc num-buffers=20 ! opusenc ! matroskamux ! filesink location={}",
+                  (folder.path() / "sound.mkv").string()));
+  ASSERT_EQ(::mkfifo((folder.path() / "pipe.mp4").c_str(), 0600), 0);
+  for (const char* name :
+       {"text.mp4", "empty.mkv", "zeros.mp4", "sound.mkv", "pipe.mp4", "missing.mp4", "."}) {
+    ReplayCamera camera(folder.path() / name, irregular_stamps(3), 30);
+    const auto started = camera.start();
+    ASSERT_FALSE(started) << name;
+    EXPECT_EQ(started.error().kind, Error::Kind::bad_input) << name;
+    EXPECT_THAT(started.error().message, HasSubstr((folder.path() / name).string()));
+    EXPECT_THAT(started.error().message, Not(HasSubstr("\n")));
+    EXPECT_EQ(*camera.read(), std::nullopt) << name;
+  }
+}
+
+TEST(ReplayCameraErrorsTest, NamesThePackageOfAMissingDecoder) {
+  const test::TemporaryFolder folder;
+  const auto path = folder.path() / "video.mkv";
+  make_lossless_video(path, 3, "avenc_ffv1 ! matroskamux");
+  const test::WithoutElement no_ffv1("avdec_ffv1");
+  ReplayCamera camera(path, irregular_stamps(3), 30);
+  const auto started = camera.start();
+  ASSERT_FALSE(started);
+  EXPECT_EQ(started.error().kind, Error::Kind::bad_input);
+  EXPECT_THAT(started.error().message, HasSubstr("apt install gstreamer1.0-libav"));
+}
+
+struct Damage {
+  const char* name;
+  const char* file;
+  const char* encoder_and_muxer;
+  bool can_start;  ///< an .mp4 has its index at the end
+};
+
+void PrintTo(const Damage& damage, std::ostream* out) {
+  *out << damage.name;
+}
+
+class DamagedVideoTest : public ::testing::TestWithParam<Damage> {
+ protected:
+  test::TemporaryFolder folder_;
+  std::filesystem::path video_ = folder_.path() / GetParam().file;
+
+  void SetUp() override { make_lossless_video(video_, 60, GetParam().encoder_and_muxer); }
+};
+
+TEST_P(DamagedVideoTest, CutInHalfDeliversWhatIsThere) {
+  std::filesystem::resize_file(video_, std::filesystem::file_size(video_) / 2);
+  ReplayCamera camera(video_, irregular_stamps(60), 10);
+  const auto started = camera.start();
+  if (!GetParam().can_start) {
+    ASSERT_FALSE(started);
+    EXPECT_EQ(started.error().kind, Error::Kind::bad_input);
+    return;
+  }
+  ASSERT_TRUE(started) << started.error().message;
+  const auto frames = read_all(camera);
+  EXPECT_GT(frames.size(), 20U);
+  EXPECT_LT(frames.size(), 40U);
+  for (std::size_t i = 0; i + 1 < frames.size(); ++i) {  // the last one may be cut itself
+    expect_picture(frames[i], static_cast<std::int64_t>(i));
+  }
+  EXPECT_EQ(camera.stamps_without_frame(), 60 - std::ssize(frames));
+  EXPECT_FALSE(camera.warnings().empty());
+}
+
+TEST_P(DamagedVideoTest, GarbageInTheMiddleEndsSomehow) {
+  {
+    std::fstream file(video_, std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(static_cast<std::streamoff>(std::filesystem::file_size(video_) / 2));
+    file << std::string(3000, '\xa5');
+  }
+  ReplayCamera camera(video_, irregular_stamps(60), 10);
+  const auto started = camera.start();
+  ASSERT_TRUE(started) << started.error().message;
+  std::size_t count = 0;
+  for (auto frame = camera.read(); frame && *frame; frame = camera.read()) {
+    EXPECT_EQ((*frame)->stamp.index, static_cast<std::int64_t>(count));
+    ++count;
+  }
+  EXPECT_GT(count, 20U);
+  EXPECT_LE(count, 60U);
+  RecordProperty("pictures", static_cast<int>(count));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Containers, DamagedVideoTest,
+    ::testing::Values(
+        Damage{"H264InMp4", "video.mp4", "x264enc pass=quant quantizer=0 ! mp4mux", false},
+        Damage{"H264InFragmentedMp4", "video.mp4",
+               "x264enc pass=quant quantizer=0 key-int-max=5 ! mp4mux fragment-duration=500 "
+               "streamable=true",
+               true},
+        Damage{"H264InMatroska", "video.mkv", "x264enc pass=quant quantizer=0 ! matroskamux", true},
+        Damage{"Ffv1InMatroska", "video.mkv", "avenc_ffv1 ! matroskamux", true},
+        Damage{"RawInAvi", "video.avi", "avimux", true}),
+    [](const auto& damage) -> std::string { return damage.param.name; });
+
+TEST(ReplayCameraErrorsTest, ChangeOfSizeIsAnError) {
+  const test::TemporaryFolder folder;
+  const auto path = folder.path() / "video.h264";
+  for (const char* size : {"width=64,height=48", "width=96,height=64"}) {
+    test::run_pipeline(
+        fmt::format("videotestsrc num-buffers=5 ! video/x-raw,{},framerate=10/1 ! x264enc "
+                    "! video/x-h264,stream-format=byte-stream ! filesink location={} append=true",
+                    size, path.string()));
+  }
+  ReplayCamera camera(path, irregular_stamps(10), 10);
+  ASSERT_TRUE(camera.start());
+  auto frame = camera.read();
+  for (int i = 0; i < 5; ++i) {
+    ASSERT_TRUE(frame && *frame) << i;
+    frame = camera.read();
+  }
+  ASSERT_FALSE(frame);
+  EXPECT_EQ(frame.error().kind, Error::Kind::bad_input);
+  EXPECT_THAT(frame.error().message, HasSubstr("96x64, but the first was 64x48"));
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "pipeline/sink/frame_sink.hpp"
 #include "pipeline/sink/gstreamer_sink.hpp"
 #include "tests/support/gst_playback.hpp"
+#include "tests/support/gst_registry.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/test_pictures.hpp"
 
@@ -23,6 +24,7 @@ namespace {
 
 using test::irregular_stamps;
 using test::test_picture;
+using test::WithoutElement;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -54,9 +56,15 @@ test::Playback play_file(const std::filesystem::path& path) {
 }
 
 struct Container {
+  const char* name;
   const char* extension;
+  double fps;  ///< 0: unknown
   std::int64_t grain_ns;
 };
+
+void PrintTo(const Container& container, std::ostream* out) {
+  *out << container.name;
+}
 
 class PresentationTimeTest : public ::testing::TestWithParam<Container> {
  protected:
@@ -66,7 +74,7 @@ class PresentationTimeTest : public ::testing::TestWithParam<Container> {
 TEST_P(PresentationTimeTest, CaptureTimesBecomePresentationTimes) {
   const auto path = folder_.path() / (std::string("out") + GetParam().extension);
   const auto stamps = irregular_stamps(60);
-  const auto written = write_pictures(path, {kSize, 30, {}}, stamps);
+  const auto written = write_pictures(path, {kSize, GetParam().fps, {}}, stamps);
   ASSERT_TRUE(written) << written.error().message;
 
   const test::Playback playback = play_file(path);
@@ -78,9 +86,12 @@ TEST_P(PresentationTimeTest, CaptureTimesBecomePresentationTimes) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Containers, PresentationTimeTest,
-                         ::testing::Values(Container{".mp4", 1'000'000'000 / 90'000 + 1},
-                                           Container{".mkv", 100'000}),
-                         [](const auto& container) { return container.param.extension + 1; });
+                         ::testing::Values(Container{"Mp4", ".mp4", 30, 1'000'000'000 / 90'000 + 1},
+                                           Container{"Matroska", ".mkv", 30, 100'000},
+                                           Container{"Mp4OfUnknownRate", ".mp4", 0,
+                                                     1'000'000'000 / 90'000 + 1},
+                                           Container{"MatroskaOfUnknownRate", ".mkv", 0, 100'000}),
+                         [](const auto& container) -> std::string { return container.param.name; });
 
 TEST(Y4mTest, HoldsTheVeryPixels) {
   const test::TemporaryFolder folder;
@@ -108,6 +119,18 @@ TEST(Y4mTest, HoldsTheVeryPixels) {
     }
   }
   EXPECT_EQ(bytes_of(path), expected);
+}
+
+TEST(Y4mTest, NothingCanBeWrittenAfterTheEnd) {
+  const test::TemporaryFolder folder;
+  const auto path = folder.path() / "out.y4m";
+  auto sink = open_sink(path, {kSize, 25, {}}, std::nullopt);
+  ASSERT_TRUE(sink);
+  ASSERT_TRUE((*sink)->write(test_picture(kSize, irregular_stamps(1)[0])));
+  ASSERT_TRUE((*sink)->finish());
+  const std::string written = bytes_of(path);
+  EXPECT_FALSE((*sink)->write(test_picture(kSize, irregular_stamps(2)[1])));
+  EXPECT_EQ(bytes_of(path), written);
 }
 
 /// Puts another file in the place of standard output for as long as it lives.
@@ -383,28 +406,6 @@ INSTANTIATE_TEST_SUITE_P(Colorimetries, ColorTest,
                                            Colorimetry{"Bt2020", "bt2020", 9, 0},
                                            Colorimetry{"Jfif", "1:4:7:1", 6, 1}),
                          [](const auto& color) -> std::string { return color.param.name; });
-
-/// Takes an element out of GStreamer's registry, as if it were not installed.
-class WithoutElement {
- public:
-  explicit WithoutElement(const char* name)
-      : feature_(gst_registry_lookup_feature(gst_registry_get(), name)) {
-    if (feature_ != nullptr) {
-      gst_registry_remove_feature(gst_registry_get(), feature_);
-    }
-  }
-  WithoutElement(const WithoutElement&) = delete;
-  WithoutElement& operator=(const WithoutElement&) = delete;
-  ~WithoutElement() {
-    if (feature_ != nullptr) {
-      gst_registry_add_feature(gst_registry_get(), feature_);
-      gst_object_unref(feature_);
-    }
-  }
-
- private:
-  GstPluginFeature* feature_;
-};
 
 TEST(MissingElementTest, NamesThePackage) {
   ASSERT_TRUE(init_gstreamer());
