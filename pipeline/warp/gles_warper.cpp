@@ -10,6 +10,7 @@
 #include "pipeline/warp/gles_plane.hpp"
 #include "pipeline/warp/mesh_painter.hpp"
 #include "pipeline/warp/picture_pool.hpp"
+#include "pipeline/warp/readback_probe.hpp"
 #include "pipeline/warp/warp_input.hpp"
 #include "pipeline/warp/warper.hpp"
 
@@ -41,8 +42,8 @@ Result<void> check_size(std::string_view what, ImageSize size) {
 
 class GlesWarper final : public Warper {
  public:
-  GlesWarper(std::unique_ptr<EglContext> context, MeshPainter painter)
-      : context_(std::move(context)), painter_(std::move(painter)) {}
+  GlesWarper(std::unique_ptr<EglContext> context, MeshPainter painter, Readback readback)
+      : context_(std::move(context)), painter_(std::move(painter)), readback_(readback) {}
 
   ~GlesWarper() override {
     // Without our context GL calls would hit whatever context is current instead.
@@ -88,12 +89,7 @@ class GlesWarper final : public Warper {
   };
 
   [[nodiscard]] Result<GlesPlane> make_plane(Plane plane, ImageSize source, ImageSize output) {
-    const int version = context_->major_version();
-    if (version >= 3) {
-      auto direct = GlesPlane::create(plane, source, output, version, Readback::direct);
-      if (direct) return direct;
-    }
-    return GlesPlane::create(plane, source, output, version, Readback::packed);
+    return GlesPlane::create(plane, source, output, context_->major_version(), readback_);
   }
 
   [[nodiscard]] Result<Planes> make_planes(ImageSize source, ImageSize output) {
@@ -121,6 +117,7 @@ class GlesWarper final : public Warper {
   std::unique_ptr<EglContext> context_;  // outlives what is made in it
   std::string renderer_ = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
   MeshPainter painter_;
+  Readback readback_;
   ImageSize source_size_;
   ImageSize output_size_;
   std::optional<Planes> planes_;
@@ -134,9 +131,12 @@ Result<std::unique_ptr<Warper>> make_gles_warper(ImageSize source, ImageSize out
   auto context = EglContext::create(version);
   if (!context) return tl::unexpected(context.error());
   glDisable(GL_DITHER);  // on by default, and would add noise to the picture
-  auto painter = MeshPainter::create(texture_channels((*context)->major_version()));
+  const int gles_version = (*context)->major_version();
+  auto painter = MeshPainter::create(texture_channels(gles_version));
   if (!painter) return tl::unexpected(painter.error());
-  auto warper = std::make_unique<GlesWarper>(std::move(*context), std::move(*painter));
+  const auto readback = choose_readback(*painter, gles_version);
+  if (!readback) return tl::unexpected(readback.error());
+  auto warper = std::make_unique<GlesWarper>(std::move(*context), std::move(*painter), *readback);
   if (auto ready = warper->prepare(source, output); !ready) return tl::unexpected(ready.error());
   return warper;
 }

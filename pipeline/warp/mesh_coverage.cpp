@@ -10,12 +10,17 @@
 namespace gimbal {
 namespace {
 
+std::size_t position(int row, int columns, int column) {
+  return static_cast<std::size_t>(std::ptrdiff_t{row} * columns + column);
+}
+
 /// The cells of the grid that show the frame itself: inside of it and seen by the virtual camera.
 class FrameCells {
  public:
   explicit FrameCells(const WarpMesh& mesh)
       : mesh_(mesh), columns_(mesh.vertex_columns - 1), rows_(mesh.vertex_rows - 1) {
-    shown_.resize(static_cast<std::size_t>(std::max(columns_, 0) * std::max(rows_, 0)));
+    shown_.resize(static_cast<std::size_t>(std::max(columns_, 0)) *
+                  static_cast<std::size_t>(std::max(rows_, 0)));
     for (int row = 0; row < rows_; ++row) {
       for (int column = 0; column < columns_; ++column) {
         shown_[index(column, row)] = shows_frame(column, row);
@@ -32,7 +37,7 @@ class FrameCells {
   }
 
   [[nodiscard]] const MeshVertex& vertex(int column, int row) const {
-    return mesh_.vertices[static_cast<std::size_t>(row * mesh_.vertex_columns + column)];
+    return mesh_.vertices[position(row, mesh_.vertex_columns, column)];
   }
 
   [[nodiscard]] Eigen::Vector2d output(int column, int row) const {
@@ -41,7 +46,7 @@ class FrameCells {
 
  private:
   [[nodiscard]] std::size_t index(int column, int row) const {
-    return static_cast<std::size_t>(row * columns_ + column);
+    return position(row, columns_, column);
   }
 
   [[nodiscard]] bool in_frame(const MeshVertex& vertex) const {

@@ -19,13 +19,14 @@ MeshVertex drawn_out(const MeshVertex& vertex, const MeshVertex& origin,
 std::vector<MeshVertex> with_outline_drawn_out(const WarpMesh& mesh) {
   const int columns = mesh.vertex_columns;
   const int rows = mesh.vertex_rows;
-  const auto at = [&](int column, int row) -> const MeshVertex& {
-    return mesh.vertices[static_cast<std::size_t>(row * columns + column)];
+  const auto index = [columns](int column, int row) {
+    return static_cast<std::size_t>(std::ptrdiff_t{row} * columns + column);
   };
   std::vector<MeshVertex> vertices = mesh.vertices;
   const auto draw_out = [&](int column, int row, int inner_column, int inner_row) {
-    MeshVertex& vertex = vertices[static_cast<std::size_t>(row * columns + column)];
-    vertex = drawn_out(vertex, at(column, row), at(inner_column, inner_row));
+    MeshVertex& vertex = vertices[index(column, row)];
+    vertex = drawn_out(vertex, mesh.vertices[index(column, row)],
+                       mesh.vertices[index(inner_column, inner_row)]);
   };
   for (int row = 0; row < rows; ++row) {
     draw_out(0, row, 1, row);
