@@ -1,0 +1,316 @@
+#include "pipeline/estimator/attitude_ekf.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gimbal {
+namespace {
+
+using Index = ErrorIndex;
+
+// Well beyond the ranges of inertial sensors (about 70 rad/s and 2000 m/s²): what lies outside is
+// no measurement, and would overflow in the filter.
+constexpr double kLargestRate_rad_s = 1e3;
+constexpr double kLargestAccel_m_s2 = 1e4;
+
+// In free fall the specific force has no direction to start from.
+constexpr double kSmallestAccelForTilt_m_s2 = 0.1 * kGravity_m_s2;
+
+// Nothing at all is known of an angle that is spread evenly over a full turn.
+constexpr double kUnknownAngle_rad2 = std::numbers::pi * std::numbers::pi / 3;
+
+constexpr double square(double x) { return x * x; }
+
+/// False also for what is not a number.
+bool is_within(const Eigen::Vector3d& value, double limit) { return value.norm() <= limit; }
+
+/// Share of a new value in a mean that forgets with the given time constant.
+double share(double interval_s, double memory_s) { return -std::expm1(-interval_s / memory_s); }
+
+Eigen::Quaterniond turn_about_vertical(double angle_rad) {
+  return {std::cos(angle_rad / 2), 0, 0, std::sin(angle_rad / 2)};
+}
+
+void set_variance(ErrorCovariance& P, int index, const Eigen::Vector3d& variance) {
+  P.middleRows<3>(index).setZero();
+  P.middleCols<3>(index).setZero();
+  P.diagonal().segment<3>(index) = variance;
+}
+
+}  // namespace
+
+AttitudeEkf::AttitudeEkf(const AttitudeEkfParameters& parameters) : parameters_(parameters) {
+  const AttitudeEkfParameters& p = parameters_;
+  state_.lost_axes = LostAxes(p.lost_axes);
+  state_.rate_walk_rad2_s3 = square(p.start_rate_walk_rad_s_rts);
+  state_.accel_mean_square_m2_s4 = 1;
+  state_.rate_variance_rad2_s2 = 1;
+  state_.filter.mean().gyro_bias_rad_s = p.gyro_bias.bias_rad_s;
+  ErrorCovariance& P = state_.filter.covariance();
+  set_variance(P, Index::gyro_bias, p.gyro_bias.sigma_rad_s.cwiseAbs2());
+  set_variance(P, Index::velocity, Eigen::Vector3d::Constant(square(p.start_velocity_sigma_m_s)));
+  set_variance(P, Index::accel_bias, Eigen::Vector3d::Constant(square(p.accel_bias_sigma_m_s2)));
+  set_variance(P, Index::gyro_scale, Eigen::Vector3d::Constant(square(p.gyro_scale_sigma)));
+  P(Index::accel_scale, Index::accel_scale) = square(p.accel_scale_sigma);
+}
+
+Attitude AttitudeEkf::update(const ImuSample& sample) {
+  if (!is_within(sample.gyro_rad_s, kLargestRate_rad_s) ||
+      (state_.last && sample.time <= state_.last->time)) {
+    ++state_.counts.skipped_gyro;
+    return predict(sample.time).attitude;
+  }
+  ImuSample usable = sample;
+  if (sample.accel_m_s2 && !is_within(*sample.accel_m_s2, kLargestAccel_m_s2)) {
+    ++state_.counts.skipped_accel;
+    usable.accel_m_s2.reset();
+  }
+  if (state_.last) {
+    continue_with(usable);
+  } else {
+    start(usable);
+  }
+  state_.last = {usable.time, usable.gyro_rad_s, usable.accel_m_s2};
+  return {usable.time, shown_attitude()};
+}
+
+void AttitudeEkf::start(const ImuSample& sample) {
+  state_.step.time = sample.time;
+  state_.rate_mean_rad_s = sample.gyro_rad_s;
+  if (sample.accel_m_s2) set_tilt(*sample.accel_m_s2);
+  if (state_.step_count == 0) {
+    state_.step.attitude_rows = state_.filter.covariance().topRows<3>();
+    ++state_.step_count;
+  }
+}
+
+void AttitudeEkf::continue_with(const ImuSample& sample) {
+  const SensorDuration interval = sample.time - state_.last->time;
+  const double interval_s = to_seconds(interval);
+  state_.plausibility.update(sample.gyro_rad_s, sample.accel_m_s2, interval_s);
+  if (interval > parameters_.longest_bridge) {
+    ++state_.counts.restarts;
+    restart_tilt(sample);
+    return;
+  }
+  bridge_or_advance(sample, interval_s);
+  learn_intervals(sample, interval_s);
+  state_.step.time = sample.time;
+  if (!state_.tilt_is_known && sample.accel_m_s2) {
+    set_tilt(*sample.accel_m_s2);
+  } else if (state_.filter.pending().interval_s + 0.5 * state_.usual_interval_s >=
+             to_seconds(parameters_.step)) {
+    close_step();
+  }
+}
+
+void AttitudeEkf::bridge_or_advance(const ImuSample& sample, double interval_s) {
+  Eigen::Vector3d gyro_rad_s = sample.gyro_rad_s;
+  // Before the tilt is known, the force has no axes to be used in.
+  std::optional<Eigen::Vector3d> accel_m_s2 =
+      state_.tilt_is_known ? sample.accel_m_s2 : std::nullopt;
+  const bool is_gap = state_.usual_interval_s > 0 &&
+                      interval_s > parameters_.gap_intervals * state_.usual_interval_s;
+  if (is_gap) {
+    gyro_rad_s = 0.5 * (gyro_rad_s + state_.last->gyro_rad_s);
+    if (accel_m_s2 && state_.last->accel_m_s2) {
+      accel_m_s2 = 0.5 * (*accel_m_s2 + *state_.last->accel_m_s2);
+    }
+  }
+  IntervalNoise noise = noise_of(gyro_rad_s, accel_m_s2, interval_s);
+  if (is_gap) {
+    ++state_.counts.gaps;
+    // Between two known ends, a random walk's integral has a twelfth of T³ (Brownian bridge).
+    noise.attitude_rad2.diagonal().array() +=
+        state_.rate_walk_rad2_s3 * interval_s * interval_s * interval_s / 12;
+    noise.velocity_m2_s2 += (state_.accel_mean_square_m2_s4 + square(parameters_.unseen_accel_m_s2)) *
+                            interval_s * interval_s;
+  }
+  add_lost_axes(sample, interval_s, noise);
+  state_.filter.advance(gyro_rad_s, accel_m_s2, interval_s, noise);
+}
+
+IntervalNoise AttitudeEkf::noise_of(const Eigen::Vector3d& gyro_rad_s,
+                                    const std::optional<Eigen::Vector3d>& accel_m_s2,
+                                    double interval_s) const {
+  const AttitudeEkfParameters& p = parameters_;
+  IntervalNoise noise;
+  noise.attitude_rad2.diagonal().setConstant(
+      (square(p.gyro_noise_rad_s_rthz) + square(p.gyro_misfit_rts) * gyro_rad_s.squaredNorm()) *
+      interval_s);
+  if (!accel_m_s2) {
+    noise.velocity_m2_s2 = square(p.unseen_accel_m_s2) * interval_s;
+    return noise;
+  }
+  const Eigen::Vector3d beside_gravity = state_.filter.mean().q_world_imu * *accel_m_s2 -
+                                         Eigen::Vector3d(0, 0, kGravity_m_s2);
+  noise.velocity_m2_s2 = (square(p.accel_noise_m_s2_rthz) +
+                          square(p.accel_misfit_rts) * beside_gravity.squaredNorm()) *
+                         interval_s;
+  return noise;
+}
+
+void AttitudeEkf::add_lost_axes(const ImuSample& sample, double interval_s, IntervalNoise& noise) {
+  const auto lost = state_.lost_axes.update(sample.gyro_rad_s, interval_s);
+  if (std::none_of(lost.begin(), lost.end(), [](bool is_lost) { return is_lost; })) return;
+  ++state_.counts.lost_samples;
+  const Eigen::Matrix3d R_world_imu = state_.filter.mean().q_world_imu.toRotationMatrix();
+  for (std::size_t i = 0; i < lost.size(); ++i) {
+    if (!lost[i]) continue;
+    const Eigen::Vector3d axis = R_world_imu.col(static_cast<Eigen::Index>(i));
+    noise.attitude_rad2 +=
+        square(parameters_.lost_axis_density_rad_s_rthz) * interval_s * axis * axis.transpose();
+  }
+}
+
+void AttitudeEkf::learn_intervals(const ImuSample& sample, double interval_s) {
+  // A single pause must not pass for the usual rate.
+  constexpr double kShare = 0.02;
+  double& usual = state_.usual_interval_s;
+  usual = usual > 0 ? usual + kShare * (std::min(interval_s, 2 * usual) - usual) : interval_s;
+  state_.rate_walk_rad2_s3 +=
+      share(interval_s, parameters_.rate_walk_memory_s) *
+      ((sample.gyro_rad_s - state_.last->gyro_rad_s).squaredNorm() / interval_s -
+       state_.rate_walk_rad2_s3);
+}
+
+void AttitudeEkf::set_tilt(const Eigen::Vector3d& accel_m_s2) {
+  if (accel_m_s2.norm() < kSmallestAccelForTilt_m_s2) return;
+  InertialState& mean = state_.filter.mean();
+  const auto turn = Eigen::Quaterniond::FromTwoVectors(mean.q_world_imu * accel_m_s2,
+                                                       Eigen::Vector3d::UnitZ());
+  mean.q_world_imu = (turn * mean.q_world_imu).normalized();
+  mean.velocity_m_s.setZero();
+  ErrorCovariance& P = state_.filter.covariance();
+  const double tilt = square(parameters_.start_tilt_sigma_rad);
+  set_variance(P, Index::attitude, {tilt, tilt, 0});
+  set_variance(P, Index::velocity,
+               Eigen::Vector3d::Constant(square(parameters_.start_velocity_sigma_m_s)));
+  state_.filter.discard_step();
+  state_.tilt_is_known = true;
+  state_.step.transition = {};
+  state_.step.world_turn = turn;
+  state_.step.update_count = 0;
+  state_.step.attitude_correction.setZero();
+  state_.step.attitude_rows = P.topRows<3>();
+  ++state_.step_count;
+}
+
+void AttitudeEkf::restart_tilt(const ImuSample& sample) {
+  state_.step.time = sample.time;
+  state_.tilt_is_known = false;
+  if (sample.accel_m_s2) set_tilt(*sample.accel_m_s2);
+  // Nothing is known of the turn meanwhile: heading less than tilt, which the accelerometer shows.
+  ErrorCovariance& P = state_.filter.covariance();
+  const double tilt = state_.tilt_is_known ? square(parameters_.start_tilt_sigma_rad) : kUnknownAngle_rad2;
+  set_variance(P, Index::attitude, {tilt, tilt, kUnknownAngle_rad2});
+  if (!state_.tilt_is_known) ++state_.step_count;
+  state_.filter.discard_step();
+  state_.step.transition = {};
+  state_.step.transition.is_continuous = false;
+  state_.step.world_turn.setIdentity();
+  state_.step.update_count = 0;
+  state_.step.attitude_correction.setZero();
+  state_.step.attitude_rows = P.topRows<3>();
+}
+
+void AttitudeEkf::close_step() {
+  const ErrorStateFilter::Pending pending = state_.filter.pending();
+  FilterStep& step = state_.step;
+  step.transition = state_.filter.close_step(
+      {parameters_.gyro_bias_walk_rad_s_rts, parameters_.accel_bias_walk_m_s2_rts});
+  step.world_turn.setIdentity();
+  step.update_count = 0;
+  step.attitude_correction.setZero();
+  if (pending.accel_interval_s > 0) {
+    const Eigen::Vector3d beside_gravity = pending.velocity_m_s / pending.accel_interval_s -
+                                           Eigen::Vector3d(0, 0, kGravity_m_s2);
+    state_.accel_mean_square_m2_s4 +=
+        share(pending.accel_interval_s, parameters_.accel_memory_s) *
+        (beside_gravity.squaredNorm() - state_.accel_mean_square_m2_s4);
+    bound_velocity(pending);
+    bound_acceleration(pending);
+  }
+  watch_bias(pending);
+  step.attitude_rows = state_.filter.covariance().topRows<3>();
+  state_.heading_held_back_rad += step.attitude_correction.z();
+  ++state_.step_count;
+}
+
+void AttitudeEkf::bound_velocity(const ErrorStateFilter::Pending& step) {
+  const double density = parameters_.velocity_density_m2_s +
+                         parameters_.velocity_density_by_accel_s3 * state_.accel_mean_square_m2_s4;
+  for (int i = 0; i < 3; ++i) {
+    measure(Index::velocity + i, -state_.filter.mean().velocity_m_s(i),
+            density / step.accel_interval_s);
+  }
+}
+
+void AttitudeEkf::bound_acceleration(const ErrorStateFilter::Pending& step) {
+  const auto tilt_variance = state_.filter.covariance().diagonal().segment<2>(Index::attitude);
+  if (tilt_variance.mean() < square(parameters_.coarse_tilt_sigma_rad)) return;
+  const double density = parameters_.accel_density_m2_s3 +
+                         parameters_.accel_density_by_accel_s * state_.accel_mean_square_m2_s4;
+  const double variance = density / step.accel_interval_s / square(kGravity_m_s2);
+  const Eigen::Vector3d force = step.velocity_m_s / step.accel_interval_s;
+  // A small tilt by θ shows gravity's reaction along θ x (0, 0, g), with the opposite sign.
+  measure(Index::attitude, force.y() / kGravity_m_s2, variance);
+  measure(Index::attitude + 1, -force.x() / kGravity_m_s2, variance);
+}
+
+void AttitudeEkf::watch_bias(const ErrorStateFilter::Pending& step) {
+  const Eigen::Vector3d rate = step.turn_rad / step.interval_s;
+  const Eigen::Vector3d change = rate - state_.rate_mean_rad_s;
+  const double memory_s = parameters_.rate_memory_s;
+  state_.rate_mean_rad_s += share(step.interval_s, memory_s) * change;
+  // The variance remembers longer than the mean that it is taken about.
+  state_.rate_variance_rad2_s2 += share(step.interval_s, 1.5 * memory_s) *
+                                  (change.squaredNorm() - state_.rate_variance_rad2_s2);
+  if (state_.rate_mean_rad_s.cwiseAbs().maxCoeff() > parameters_.largest_bias_rad_s) return;
+  const double variance = parameters_.rate_density_s *
+                          (state_.rate_variance_rad2_s2 + square(parameters_.steadiest_rate_rad_s)) /
+                          step.interval_s;
+  for (int i = 0; i < 3; ++i) {
+    measure(Index::gyro_bias + i, rate(i) - state_.filter.mean().gyro_bias_rad_s(i), variance);
+  }
+}
+
+void AttitudeEkf::measure(int index, double residual, double noise_variance) {
+  FilterStep& step = state_.step;
+  ScalarUpdate& update = step.updates[step.update_count++];
+  update = state_.filter.measure(index, residual, noise_variance);
+  step.attitude_correction += residual * update.gain.segment<3>(Index::attitude);
+}
+
+AttitudeEstimate AttitudeEkf::predict(SensorTime time) const {
+  AttitudeEstimate estimate{{time, shown_attitude()}, state_.filter.attitude_covariance(),
+                            AttitudeOrigin::predicted};
+  if (!state_.last || time < state_.last->time) return estimate;
+  const double ahead_s = to_seconds(time - state_.last->time);
+  if (ahead_s == 0) {
+    estimate.origin = AttitudeOrigin::exact;
+    return estimate;
+  }
+  const InertialState& mean = state_.filter.mean();
+  const Eigen::Vector3d rate = state_.last->gyro_rad_s - mean.gyro_bias_rad_s;
+  // Beyond the longest bridge the rate is worth nothing, and the orientation is held.
+  if (ahead_s <= to_seconds(parameters_.longest_bridge)) {
+    estimate.attitude.q_world_imu =
+        (estimate.attitude.q_world_imu * rotation_from_vector(ahead_s * rate)).normalized();
+  }
+  // A random walk's integral away from its last known value.
+  const double variance = state_.rate_walk_rad2_s3 * ahead_s * ahead_s * ahead_s / 3;
+  estimate.covariance_rad2.diagonal().array() += std::min(variance, kUnknownAngle_rad2);
+  return estimate;
+}
+
+GyroBias AttitudeEkf::gyro_bias() const {
+  return {state_.filter.mean().gyro_bias_rad_s,
+          state_.filter.covariance().diagonal().segment<3>(Index::gyro_bias).cwiseSqrt()};
+}
+
+Eigen::Quaterniond AttitudeEkf::shown_attitude() const {
+  return turn_about_vertical(-state_.heading_held_back_rad) * state_.filter.mean().q_world_imu;
+}
+
+}  // namespace gimbal

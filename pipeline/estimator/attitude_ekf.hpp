@@ -1,0 +1,168 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+#include <optional>
+
+#include "pipeline/estimator/error_state_filter.hpp"
+#include "pipeline/estimator/estimator.hpp"
+#include "pipeline/estimator/lost_axes.hpp"
+#include "pipeline/estimator/plausibility.hpp"
+
+namespace gimbal {
+
+/// A gyroscope's bias and how well it is known, for example from the run before.
+struct GyroBias {
+  Eigen::Vector3d bias_rad_s = Eigen::Vector3d::Zero();
+  /// An axis each. Data sheets of consumer sensors promise 5 deg/s at worst.
+  Eigen::Vector3d sigma_rad_s =
+      Eigen::Vector3d::Constant(2.5 * std::numbers::pi / 180);
+};
+
+/// One set for all devices. Densities are one-sided, an axis.
+struct AttitudeEkfParameters {
+  // What sensors do, by their data sheets.
+  GyroBias gyro_bias;
+  double gyro_noise_rad_s_rthz = 0.0011;
+  double gyro_bias_walk_rad_s_rts = 0.0003;
+  double gyro_scale_sigma = 0.005;
+  double accel_noise_m_s2_rthz = 0.04;
+  double accel_bias_sigma_m_s2 = 0.035;
+  double accel_bias_walk_m_s2_rts = 0.0002;
+  double accel_scale_sigma = 0.02;
+  /// What no state explains (axes that are not square, scales that are not linear): a share of
+  /// the rate and of the acceleration beside gravity, as a noise density.
+  double gyro_misfit_rts = 0.002;
+  double accel_misfit_rts = 0.025;
+
+  // What hands and vehicles do. Velocity stays near zero, as a white measurement of zero whose
+  // density is twice its variance times its correlation time; faster shakes move faster.
+  double velocity_density_m2_s = 0.4;
+  double velocity_density_by_accel_s3 = 0.025;  ///< times the recent mean square acceleration
+  /// Acceleration beside gravity is bounded too, which brings a tilt that is badly known (at the start,
+  /// after gaps and lost axes) near in no time. Later its correlation in time would mislead.
+  double accel_density_m2_s3 = 0.06;
+  double accel_density_by_accel_s = 0.2;
+  double coarse_tilt_sigma_rad = 0.05;  ///< below this the velocity alone decides
+  double accel_memory_s = 0.8;
+  /// Turns come and go: the gyroscope's mean shows its bias, the better the steadier the device is.
+  /// Density of the rate as a measurement of the bias over the rate's recent variance.
+  double rate_density_s = 2.5;
+  double rate_memory_s = 0.2;
+  double steadiest_rate_rad_s = 0.008;
+  double largest_bias_rad_s = 10 * std::numbers::pi / 180;  ///< faster is a pan, no bias
+
+  // Start, gaps, lost axes.
+  double start_tilt_sigma_rad = 0.3;
+  double start_velocity_sigma_m_s = 5;
+  double start_rate_walk_rad_s_rts = 30;  ///< how fast rates change, until it is known
+  double rate_walk_memory_s = 0.5;
+  double lost_axis_density_rad_s_rthz = 1.3;
+  double unseen_accel_m_s2 = 2;  ///< acceleration while no accelerometer shows it
+  double gap_intervals = 2.5;    ///< so many usual intervals without a sample are a gap
+  SensorDuration longest_bridge = std::chrono::seconds(1);  ///< longer gaps start the tilt anew
+
+  /// The covariance is carried in steps of at least this length.
+  SensorDuration step = std::chrono::milliseconds(20);
+  LostAxesParameters lost_axes;
+};
+
+/// What an estimator met that was not as it should be.
+struct AttitudeEkfCounts {
+  std::size_t skipped_gyro = 0;   ///< not finite, beyond any sensor's range, or not later
+  std::size_t skipped_accel = 0;  ///< not finite or beyond any sensor's range
+  std::size_t gaps = 0;
+  std::size_t restarts = 0;       ///< gaps beyond the longest bridge
+  std::size_t lost_samples = 0;   ///< with an axis clipped or stuck
+};
+
+/// An orientation with its uncertainty.
+struct AttitudeEstimate {
+  Attitude attitude;
+  Eigen::Matrix3d covariance_rad2;  ///< of the error as a rotation vector in world axes
+  AttitudeOrigin origin = AttitudeOrigin::exact;
+};
+
+/// Everything that the filter knows. A value: saved and restored by copying, to the bit.
+struct AttitudeEkfState {
+  struct LastSample {
+    SensorTime time;
+    Eigen::Vector3d gyro_rad_s;
+    std::optional<Eigen::Vector3d> accel_m_s2;
+  };
+  std::optional<LastSample> last;
+  bool tilt_is_known = false;
+  ErrorStateFilter filter;
+  double heading_held_back_rad = 0;  ///< of the filter's corrections, see AttitudeEkf
+  double usual_interval_s = 0;
+  double rate_walk_rad2_s3 = 0;        ///< how fast the rate changes: mean of |change|²/interval
+  double accel_mean_square_m2_s4 = 0;  ///< beside gravity
+  Eigen::Vector3d rate_mean_rad_s = Eigen::Vector3d::Zero();
+  double rate_variance_rad2_s2 = 0;
+  LostAxes lost_axes;
+  PlausibilityCheck plausibility;
+  AttitudeEkfCounts counts;
+  FilterStep step;
+  std::size_t step_count = 0;
+};
+
+/// Error-state Kalman filter for a camera that is held, worn, carried or flown, without a
+/// magnetometer. States: attitude, gyroscope bias and scale, velocity, accelerometer bias and scale.
+///
+/// Gravity comes in through the velocity: specific force less gravity, integrated in world axes, is
+/// the device's velocity plus what a wrong tilt adds; a device that stays where it is or walks has a
+/// bounded velocity, so that what grows is tilt error. Short accelerations cancel by themselves.
+/// There is no rest detector: bias is measured all the time, and the recent variance of the rate says
+/// how well; over a step of 20 ms, vibration of motors cancels.
+///
+/// Heading is never observed. What a better bias says about past heading is kept in the filter but
+/// not shown: the answers' heading has no steps, only the rate's integral.
+///
+/// Each sample stands for the interval before it, as a sensor's low-pass makes it; over a gap the
+/// rate is taken to go straight from one sample to the next. Neither allocates nor throws.
+class AttitudeEkf final : public Estimator {
+ public:
+  explicit AttitudeEkf(const AttitudeEkfParameters& parameters = {});
+
+  /// A sample that cannot be used is skipped and counted; the answer is then a prediction.
+  Attitude update(const ImuSample& sample) override;
+
+  /// At the last sample `exact`; later with the last rate, `predicted`. Before the first sample, and
+  /// for instants before the last one, the last orientation, `predicted`.
+  [[nodiscard]] AttitudeEstimate predict(SensorTime time) const;
+
+  /// To be kept for the next run.
+  [[nodiscard]] GyroBias gyro_bias() const;
+
+  [[nodiscard]] Plausibility plausibility() const { return state_.plausibility.verdict(); }
+  [[nodiscard]] const AttitudeEkfCounts& counts() const { return state_.counts; }
+
+  [[nodiscard]] const AttitudeEkfState& state() const { return state_; }
+  void restore(const AttitudeEkfState& state) { state_ = state; }
+
+ private:
+  void start(const ImuSample& sample);
+  void continue_with(const ImuSample& sample);
+  void bridge_or_advance(const ImuSample& sample, double interval_s);
+  [[nodiscard]] IntervalNoise noise_of(const Eigen::Vector3d& gyro_rad_s,
+                                       const std::optional<Eigen::Vector3d>& accel_m_s2,
+                                       double interval_s) const;
+  void add_lost_axes(const ImuSample& sample, double interval_s, IntervalNoise& noise);
+  void learn_intervals(const ImuSample& sample, double interval_s);
+  void set_tilt(const Eigen::Vector3d& accel_m_s2);
+  void restart_tilt(const ImuSample& sample);
+  void close_step();
+  void bound_velocity(const ErrorStateFilter::Pending& step);
+  void bound_acceleration(const ErrorStateFilter::Pending& step);
+  void watch_bias(const ErrorStateFilter::Pending& step);
+  void measure(int index, double residual, double noise_variance);
+  [[nodiscard]] Eigen::Quaterniond shown_attitude() const;
+
+  AttitudeEkfParameters parameters_;
+  AttitudeEkfState state_;
+};
+
+}  // namespace gimbal

@@ -1,0 +1,37 @@
+#include "pipeline/estimator/lost_axes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gimbal {
+
+std::array<bool, 3> LostAxes::update(const Eigen::Vector3d& gyro_rad_s, double interval_s) {
+  const double forget = -std::expm1(-interval_s / parameters_.stuck_after_s);
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    Axis& axis = axes_[i];
+    const double value = gyro_rad_s[static_cast<Eigen::Index>(i)];
+    const double step = value - axis.value_rad_s;
+    axis.held_s = step == 0 ? axis.held_s + interval_s : 0;
+    axis.step_variance_rad2_s2 += forget * (step * step - axis.step_variance_rad2_s2);
+    axis.value_rad_s = value;
+    axis.largest_rad_s = std::max(axis.largest_rad_s, std::abs(value));
+  }
+  std::array<bool, 3> lost{};
+  for (std::size_t i = 0; i < lost.size(); ++i) lost[i] = is_lost(i);
+  return lost;
+}
+
+bool LostAxes::is_lost(std::size_t axis) const {
+  const Axis& own = axes_[axis];
+  if (own.held_s <= 0) return false;
+  const double magnitude = std::abs(own.value_rad_s);
+  if (magnitude >= own.largest_rad_s && magnitude > parameters_.smallest_limit_rad_s) return true;
+  double others = 0;
+  for (std::size_t i = 0; i < axes_.size(); ++i) {
+    if (i != axis) others = std::max(others, axes_[i].step_variance_rad2_s2);
+  }
+  return own.held_s > parameters_.stuck_after_s &&
+         others > parameters_.others_move_rad_s * parameters_.others_move_rad_s;
+}
+
+}  // namespace gimbal

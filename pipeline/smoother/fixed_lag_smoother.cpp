@@ -1,0 +1,210 @@
+#include "pipeline/smoother/fixed_lag_smoother.hpp"
+
+#include <cmath>
+
+namespace gimbal {
+namespace {
+
+using Index = ErrorIndex;
+
+/// What later measurements say about a step: the adjoint of Bierman's recursion, so that the smoothed
+/// error is -P λ. Here from a step's updates back to before them.
+void undo_updates(const FilterStep& step, ErrorState& adjoint) {
+  for (std::size_t i = step.update_count; i-- > 0;) {
+    const ScalarUpdate& update = step.updates[i];
+    adjoint(update.index) -= update.gain.dot(adjoint) + update.residual / update.variance;
+  }
+}
+
+/// The same for the covariance of the adjoint, Λ: the smoothed covariance is P - P Λ P.
+void undo_updates(const FilterStep& step, ErrorCovariance& information) {
+  for (std::size_t i = step.update_count; i-- > 0;) {
+    const ScalarUpdate& update = step.updates[i];
+    const int k = update.index;
+    const ErrorState by_gain = information * update.gain;
+    const double diagonal =
+        information(k, k) - 2 * by_gain(k) + update.gain.dot(by_gain) + 1 / update.variance;
+    information.col(k) -= by_gain;
+    information.row(k) -= by_gain.transpose();
+    information(k, k) = diagonal;
+  }
+}
+
+ErrorCovariance back_through(const ErrorTransition& transition, const ErrorCovariance& information) {
+  ErrorCovariance half;
+  for (int i = 0; i < Index::size; ++i) {
+    half.row(i) = transition.transpose_times(information.col(i)).transpose();
+  }
+  ErrorCovariance whole;
+  for (int i = 0; i < Index::size; ++i) whole.col(i) = transition.transpose_times(half.col(i));
+  return whole;
+}
+
+Eigen::Vector3d smoothed_correction(const FilterStep& step, const ErrorState& adjoint) {
+  return -(step.attitude_rows * adjoint);
+}
+
+Eigen::Matrix3d smoothed_covariance(const FilterStep& step, const ErrorCovariance& information) {
+  return step.attitude_rows.middleCols<3>(Index::attitude) -
+         step.attitude_rows * information * step.attitude_rows.transpose();
+}
+
+double filter_trace(const FilterStep& step) {
+  return step.attitude_rows.middleCols<3>(Index::attitude).trace();
+}
+
+/// The correction at the end of a step before its updates, whose own correction it includes.
+Eigen::Vector3d correction_before_updates(const Eigen::Vector3d& correction, const FilterStep& step) {
+  return vector_from_rotation(rotation_from_vector(correction) *
+                              rotation_from_vector(step.attitude_correction));
+}
+
+}  // namespace
+
+FixedLagSmoother::FixedLagSmoother(const FixedLagSmootherParameters& parameters)
+    : parameters_(parameters), filter_(parameters.ekf) {}
+
+void FixedLagSmoother::push(const ImuSample& sample) {
+  const std::size_t skipped = filter_.counts().skipped_gyro;
+  filter_.update(sample);
+  if (filter_.counts().skipped_gyro != skipped) return;
+  samples_.push_back({sample.time, filter_.state().filter.mean().q_world_imu});
+  ++samples_since_step_;
+  if (filter_.state().step_count == steps_taken_) return;
+  take_step();
+  release_ready();
+}
+
+void FixedLagSmoother::take_step() {
+  const FilterStep& step = filter_.state().step;
+  if (!steps_.empty()) turn_world(step);
+  steps_.push_back({step, samples_since_step_});
+  steps_taken_ = filter_.state().step_count;
+  samples_since_step_ = 0;
+}
+
+void FixedLagSmoother::turn_world(const FilterStep& step) {
+  const Eigen::Quaterniond& turn = step.world_turn;
+  if (turn.isApprox(Eigen::Quaterniond::Identity(), 0)) return;
+  // What came before the accelerometer is turned along, and its tilt is as uncertain. The newest sample
+  // is in the new world already.
+  for (std::size_t i = 0; i + 1 < samples_.size(); ++i) {
+    samples_[i].q_world_imu = turn * samples_[i].q_world_imu;
+  }
+  const Eigen::Matrix3d R = turn.toRotationMatrix();
+  for (HeldStep& held : steps_) {
+    AttitudeRows& rows = held.step.attitude_rows;
+    rows = (R * rows).eval();
+    rows.middleCols<3>(Index::attitude) =
+        (rows.middleCols<3>(Index::attitude) * R.transpose()).eval() +
+        step.attitude_rows.middleCols<3>(Index::attitude);
+    ErrorTransition& F = held.step.transition;
+    F.attitude_by_gyro_bias = (R * F.attitude_by_gyro_bias).eval();
+    F.attitude_by_gyro_scale = (R * F.attitude_by_gyro_scale).eval();
+    held.step.attitude_correction = (R * held.step.attitude_correction).eval();
+    for (std::size_t i = 0; i < held.step.update_count; ++i) {
+      auto gain = held.step.updates[i].gain.segment<3>(Index::attitude);
+      gain = (R * gain).eval();
+    }
+  }
+}
+
+void FixedLagSmoother::release_ready() {
+  if (!parameters_.lag || steps_.size() < 2) return;
+  const SensorTime newest_ready = steps_.back().step.time - *parameters_.lag;
+  std::size_t last = 0;
+  while (last + 1 < steps_.size() && steps_[last + 1].step.time <= newest_ready) ++last;
+  if (last == 0) return;
+  const bool block_is_full =
+      steps_[last].step.time - steps_.front().step.time + parameters_.ekf.step / 2 > parameters_.block;
+  if (!block_is_full) return;
+  if (covariance_is_due(steps_[last])) {
+    look_back_with_covariance();
+    covariance_time_ = steps_[last].step.time;
+    filter_trace_rad2_ = filter_trace(steps_[last].step);
+  } else {
+    look_back();
+    for (std::size_t i = 1; i <= last; ++i) steps_[i].covariance = steps_.front().covariance;
+  }
+  release_until(last);
+}
+
+bool FixedLagSmoother::covariance_is_due(const HeldStep& step) const {
+  constexpr double kMuchMore = 1.2;
+  return !covariance_time_ || step.step.time - *covariance_time_ >= parameters_.covariance_period ||
+         filter_trace(step.step) > kMuchMore * filter_trace_rad2_;
+}
+
+void FixedLagSmoother::finish() {
+  if (steps_.empty()) return;
+  look_back_with_covariance();
+  release_until(steps_.size() - 1);
+  // After the last step the filter has measured nothing.
+  while (!samples_.empty()) release_sample(steps_.front(), steps_.front().correction);
+}
+
+std::optional<AttitudeEstimate> FixedLagSmoother::pop() {
+  if (ready_.empty()) return std::nullopt;
+  const AttitudeEstimate estimate = ready_.front();
+  ready_.pop_front();
+  return estimate;
+}
+
+void FixedLagSmoother::look_back() {
+  ErrorState adjoint = ErrorState::Zero();
+  for (std::size_t i = steps_.size(); i-- > 0;) {
+    HeldStep& held = steps_[i];
+    held.correction = smoothed_correction(held.step, adjoint);
+    undo_updates(held.step, adjoint);
+    adjoint = held.step.transition.transpose_times(adjoint);
+  }
+}
+
+void FixedLagSmoother::look_back_with_covariance() {
+  look_back();
+  ErrorCovariance information = ErrorCovariance::Zero();
+  for (std::size_t i = steps_.size(); i-- > 0;) {
+    HeldStep& held = steps_[i];
+    held.covariance = smoothed_covariance(held.step, information);
+    undo_updates(held.step, information);
+    information = back_through(held.step.transition, information);
+  }
+}
+
+void FixedLagSmoother::release_until(std::size_t last) {
+  if (first_step_is_released_) {
+    heading_offset_rad_ = released_heading_rad_ - steps_.front().correction.z();
+  } else {
+    release_sample(steps_.front(), steps_.front().correction);
+    first_step_is_released_ = true;
+  }
+  for (; last > 0; --last) {
+    release_step(steps_[0], steps_[1]);
+    steps_.pop_front();
+  }
+  released_heading_rad_ = steps_.front().correction.z() + heading_offset_rad_;
+}
+
+void FixedLagSmoother::release_step(const HeldStep& before, const HeldStep& step) {
+  const Eigen::Vector3d at_start = before.correction;
+  const Eigen::Vector3d at_end = step.step.transition.is_continuous
+                                     ? correction_before_updates(step.correction, step.step)
+                                     : at_start;
+  const double length_s = to_seconds(step.step.time - before.step.time);
+  for (std::size_t i = 1; i < step.sample_count; ++i) {
+    const double fraction = to_seconds(samples_.front().time - before.step.time) / length_s;
+    release_sample(step, at_start + fraction * (at_end - at_start));
+  }
+  release_sample(step, step.correction);
+}
+
+void FixedLagSmoother::release_sample(const HeldStep& step, const Eigen::Vector3d& correction) {
+  const HeldSample& sample = samples_.front();
+  const Eigen::Quaterniond heading(std::cos(heading_offset_rad_ / 2), 0, 0,
+                                   std::sin(heading_offset_rad_ / 2));
+  const Eigen::Quaterniond q = heading * rotation_from_vector(correction) * sample.q_world_imu;
+  ready_.push_back({{sample.time, q.normalized()}, step.covariance, AttitudeOrigin::exact});
+  samples_.pop_front();
+}
+
+}  // namespace gimbal

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <chrono>
+#include <cstddef>
+#include <deque>
+#include <optional>
+
+#include "pipeline/estimator/attitude_ekf.hpp"
+#include "pipeline/sample/attitude.hpp"
+
+namespace gimbal {
+
+/// How much of the future an answer may use; none means the whole recording.
+using SmootherLag = std::optional<SensorDuration>;
+
+struct FixedLagSmootherParameters {
+  AttitudeEkfParameters ekf;
+  SmootherLag lag = std::chrono::seconds(1);
+  /// Answers are released so much at a time, all from one look back. Longer blocks leave seams.
+  SensorDuration block = std::chrono::milliseconds(20);
+  /// How often the covariance of a fixed lag is worked out anew; meanwhile it is held, unless the
+  /// filter's own grows.
+  SensorDuration covariance_period = std::chrono::milliseconds(250);
+};
+
+/// Orientations with the future taken into account: the attitude EKF forward, then back over its
+/// steps by the modified Bryson-Frazier recursion (G. J. Bierman, "Fixed interval smoothing with
+/// discrete measurements", Int. J. Control 18(1), 1973), which needs no inverse. With all of the
+/// recording the answers are those of a Rauch-Tung-Striebel smoother.
+///
+/// Answers come at the gyro's stamps. Between the filter's steps the correction is interpolated, so
+/// that there are no seams. With a fixed lag the heading of what was released stays as it was: a
+/// better bias turns what follows, with no step. Memory: about 2 kB a filter step within the lag.
+class FixedLagSmoother {
+ public:
+  explicit FixedLagSmoother(const FixedLagSmootherParameters& parameters = {});
+
+  void push(const ImuSample& sample);
+
+  /// No more samples come: what is held is released.
+  void finish();
+
+  /// The next answer in order, once enough of the future is known. Samples that the filter skipped
+  /// have none.
+  [[nodiscard]] std::optional<AttitudeEstimate> pop();
+
+  /// The filter itself: its prediction to now, its bias, what it met.
+  [[nodiscard]] const AttitudeEkf& filter() const { return filter_; }
+
+ private:
+  struct HeldSample {
+    SensorTime time;
+    Eigen::Quaterniond q_world_imu;  ///< the filter's, at the sample
+  };
+  /// A filter step with what the look back says about it.
+  struct HeldStep {
+    FilterStep step;
+    std::size_t sample_count = 0;  ///< samples since the step before, its own included
+    Eigen::Vector3d correction = Eigen::Vector3d::Zero();  ///< rad, world axes
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  };
+
+  void take_step();
+  void turn_world(const FilterStep& step);
+  void release_ready();
+  /// Releases the samples of the steps up to and including `last`, after a look back.
+  void release_until(std::size_t last);
+  void release_step(const HeldStep& before, const HeldStep& step);
+  void release_sample(const HeldStep& step, const Eigen::Vector3d& correction);
+  void look_back();
+  void look_back_with_covariance();
+  [[nodiscard]] bool covariance_is_due(const HeldStep& step) const;
+
+  FixedLagSmootherParameters parameters_;
+  AttitudeEkf filter_;
+  std::size_t steps_taken_ = 0;
+  std::size_t samples_since_step_ = 0;
+  std::deque<HeldSample> samples_;  ///< not released yet, the oldest first
+  std::deque<HeldStep> steps_;      ///< what is released lies before or at the first one
+  bool first_step_is_released_ = false;
+  double heading_offset_rad_ = 0;    ///< from the latest look back to what was released
+  double released_heading_rad_ = 0;  ///< correction of the heading at the first step, as released
+  std::optional<SensorTime> covariance_time_;  ///< when it was last worked out ...
+  double filter_trace_rad2_ = 0;               ///< ... and the filter's own at that step
+  std::deque<AttitudeEstimate> ready_;
+};
+
+}  // namespace gimbal
