@@ -52,6 +52,7 @@ void ErrorTransition::propagate(ErrorCovariance& P) const {
   Columns velocity = P.middleCols<3>(Index::velocity);
   velocity.noalias() += attitude * velocity_by_attitude.transpose();
   velocity.noalias() += by_gyro_bias * velocity_by_gyro_bias.transpose();
+  velocity.noalias() += P.middleCols<3>(Index::gyro_scale) * velocity_by_gyro_scale.transpose();
   velocity.noalias() += P.middleCols<3>(Index::accel_bias) * velocity_by_accel_bias.transpose();
   velocity.noalias() += P.col(Index::accel_scale) * velocity_by_accel_scale.transpose();
   attitude.noalias() += by_gyro_bias * attitude_by_gyro_bias.transpose();
@@ -60,14 +61,14 @@ void ErrorTransition::propagate(ErrorCovariance& P) const {
   for (Columns* columns : {&attitude, &velocity}) {
     const auto attitude_rows = columns->middleRows<3>(Index::attitude);
     const auto bias_rows = columns->middleRows<3>(Index::gyro_bias);
+    const auto scale_rows = columns->middleRows<3>(Index::gyro_scale);
     const Eigen::Matrix3d velocity_rows =
         columns->middleRows<3>(Index::velocity) + velocity_by_attitude * attitude_rows +
-        velocity_by_gyro_bias * bias_rows +
+        velocity_by_gyro_bias * bias_rows + velocity_by_gyro_scale * scale_rows +
         velocity_by_accel_bias * columns->middleRows<3>(Index::accel_bias) +
         velocity_by_accel_scale * columns->row(Index::accel_scale);
     columns->middleRows<3>(Index::attitude) +=
-        attitude_by_gyro_bias * bias_rows +
-        attitude_by_gyro_scale * columns->middleRows<3>(Index::gyro_scale);
+        attitude_by_gyro_bias * bias_rows + attitude_by_gyro_scale * scale_rows;
     columns->middleRows<3>(Index::velocity) = velocity_rows;
   }
   P.middleCols<3>(Index::attitude) = attitude;
@@ -92,6 +93,7 @@ ErrorState ErrorTransition::transpose_times(const ErrorState& x) const {
   y.segment<3>(Index::attitude).noalias() += velocity_by_attitude.transpose() * velocity;
   y.segment<3>(Index::gyro_bias).noalias() += attitude_by_gyro_bias.transpose() * attitude;
   y.segment<3>(Index::gyro_bias).noalias() += velocity_by_gyro_bias.transpose() * velocity;
+  y.segment<3>(Index::gyro_scale).noalias() += velocity_by_gyro_scale.transpose() * velocity;
   y.segment<3>(Index::accel_bias).noalias() += velocity_by_accel_bias.transpose() * velocity;
   y.segment<3>(Index::gyro_scale).noalias() += attitude_by_gyro_scale.transpose() * attitude;
   y(Index::accel_scale) += velocity_by_accel_scale.dot(velocity);

@@ -54,6 +54,7 @@ struct ErrorTransition {
   Eigen::Matrix3d attitude_by_gyro_scale = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d velocity_by_attitude = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d velocity_by_gyro_bias = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d velocity_by_gyro_scale = Eigen::Matrix3d::Zero();
   Eigen::Matrix3d velocity_by_accel_bias = Eigen::Matrix3d::Zero();
   Eigen::Vector3d velocity_by_accel_scale = Eigen::Vector3d::Zero();
   /// False where attitude and velocity started anew, so that their old errors say nothing.

@@ -51,8 +51,9 @@ ErrorTransition ErrorStateFilter::transition() const {
   F.attitude_by_gyro_bias = -pending_.rotation_s;
   F.attitude_by_gyro_scale = -pending_.rotation_by_rate_rad;
   F.velocity_by_attitude = -pending_.accel_interval_s * gravity;
-  // A bias turns the attitude evenly, so that on average half of the turn acts.
+  // A bias or a scale turns the attitude evenly, so that on average half of the turn acts.
   F.velocity_by_gyro_bias = 0.5 * pending_.accel_interval_s * gravity * pending_.rotation_s;
+  F.velocity_by_gyro_scale = 0.5 * pending_.accel_interval_s * gravity * pending_.rotation_by_rate_rad;
   F.velocity_by_accel_bias = -fraction * pending_.rotation_s;
   F.velocity_by_accel_scale = -pending_.velocity_m_s;
   return F;

@@ -10,7 +10,7 @@ struct LostAxesParameters {
   double smallest_limit_rad_s = 1;
   /// An axis that repeats its value for this long, while the others move, is stuck.
   double stuck_after_s = 0.5;
-  double others_move_rad_s = 0.1;  ///< from one sample to the next, root mean square
+  double others_move_rad_s = 0.003;  ///< from one sample to the next, root mean square
 };
 
 /// Finds gyroscope axes that do not measure: at the end of their range, or stuck. A sensor's range

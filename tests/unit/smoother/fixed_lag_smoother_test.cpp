@@ -1,0 +1,237 @@
+#include "pipeline/smoother/fixed_lag_smoother.hpp"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <vector>
+
+namespace gimbal {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+using Index = ErrorIndex;
+
+constexpr double kDegree = std::numbers::pi / 180;
+const Eigen::Vector3d kUp(0, 0, kGravity_m_s2);
+
+struct Recording {
+  std::vector<ImuSample> samples;
+  std::vector<Eigen::Quaterniond> truth;  ///< an orientation a sample
+};
+
+/// A hand that turns and moves, with the noise and the bias of a phone; 100 Hz.
+Recording record(double duration_s) {
+  const auto attitude = [](double t) {
+    return rotation_from_vector({0.5 * std::sin(2.1 * t), 0, 0}) *
+           rotation_from_vector({0, 0.7 * std::sin(1.4 * t + 1), 0}) *
+           rotation_from_vector({0, 0, 0.6 * std::sin(0.9 * t + 2)});
+  };
+  std::mt19937 random(11);
+  std::normal_distribution<double> normal;
+  const auto draw = [&](double sigma) -> Eigen::Vector3d {
+    return {sigma * normal(random), sigma * normal(random), sigma * normal(random)};
+  };
+  constexpr double kInterval_s = 0.01;
+  const Eigen::Vector3d bias(0.02, -0.01, 0.015);
+  Recording recording;
+  for (int i = 1; i * kInterval_s <= duration_s; ++i) {
+    const double t = i * kInterval_s;
+    const double middle = t - kInterval_s / 2;
+    const Eigen::Quaterniond q = attitude(t);
+    const Eigen::Vector3d rate =
+        vector_from_rotation(attitude(t - kInterval_s).conjugate() * q) / kInterval_s;
+    const Eigen::Vector3d push(1.2 * std::sin(7 * middle), 0.8 * std::sin(5 * middle), 0.5);
+    recording.samples.push_back({time_from_seconds(t), rate + bias + draw(0.005),
+                                 attitude(middle).conjugate() * (kUp + push) + draw(0.05)});
+    recording.truth.push_back(q);
+  }
+  return recording;
+}
+
+std::vector<AttitudeEstimate> smooth(const std::vector<ImuSample>& samples, SmootherLag lag) {
+  FixedLagSmootherParameters parameters;
+  parameters.lag = lag;
+  FixedLagSmoother smoother(parameters);
+  std::vector<AttitudeEstimate> answers;
+  for (const ImuSample& sample : samples) {
+    smoother.push(sample);
+    while (const auto answer = smoother.pop()) answers.push_back(*answer);
+  }
+  smoother.finish();
+  while (const auto answer = smoother.pop()) answers.push_back(*answer);
+  return answers;
+}
+
+double tilt_between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
+  const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
+  return std::acos(std::clamp((a.conjugate() * z).dot(b.conjugate() * z), -1.0, 1.0));
+}
+
+double rms_tilt_error(const Recording& recording, const std::vector<AttitudeEstimate>& answers) {
+  double sum = 0;
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    const double error = tilt_between(answers[i].attitude.q_world_imu, recording.truth[i]);
+    sum += error * error;
+  }
+  return std::sqrt(sum / static_cast<double>(answers.size()));
+}
+
+/// Rauch, Tung and Striebel (1965), with dense matrices and inverses, from the filter's own numbers.
+struct DenseStep {
+  ErrorCovariance F;
+  ErrorCovariance P_predicted;
+  ErrorCovariance P_updated;
+  ErrorState correction;  ///< by the step's updates
+  Eigen::Quaterniond q;
+  std::size_t sample;
+};
+
+DenseStep dense_step(const AttitudeEkfState& state, std::size_t sample) {
+  DenseStep dense;
+  for (int i = 0; i < Index::size; ++i) {
+    dense.F.row(i) = state.step.transition.transpose_times(ErrorState::Unit(i)).transpose();
+  }
+  dense.P_updated = state.filter.covariance();
+  dense.P_predicted = dense.P_updated;
+  dense.correction.setZero();
+  for (std::size_t i = 0; i < state.step.update_count; ++i) {
+    const ScalarUpdate& update = state.step.updates[i];
+    dense.P_predicted += update.variance * update.gain * update.gain.transpose();
+    dense.correction += update.residual * update.gain;
+  }
+  dense.q = state.filter.mean().q_world_imu;
+  dense.sample = sample;
+  return dense;
+}
+
+TEST(FixedLagSmoother, TheWholeRecordingIsRauchTungAndStriebels) {
+  const Recording recording = record(10);
+  AttitudeEkf ekf;
+  std::vector<DenseStep> steps;
+  for (std::size_t i = 0; i < recording.samples.size(); ++i) {
+    const std::size_t count = ekf.state().step_count;
+    ekf.update(recording.samples[i]);
+    if (ekf.state().step_count != count) steps.push_back(dense_step(ekf.state(), i));
+  }
+  const std::vector<AttitudeEstimate> answers = smooth(recording.samples, std::nullopt);
+  ASSERT_EQ(answers.size(), recording.samples.size());
+
+  ErrorState error = ErrorState::Zero();
+  ErrorCovariance P = steps.back().P_updated;
+  for (std::size_t k = steps.size() - 1; k-- > 0;) {
+    const DenseStep& next = steps[k + 1];
+    const ErrorCovariance G =
+        next.P_predicted.fullPivLu().solve(next.F * steps[k].P_updated).transpose();
+    error = (G * (error + next.correction)).eval();
+    P = (steps[k].P_updated + G * (P - next.P_predicted) * G.transpose()).eval();
+    const Eigen::Quaterniond expected =
+        rotation_from_vector(error.segment<3>(Index::attitude)) * steps[k].q;
+    const AttitudeEstimate& answer = answers[steps[k].sample];
+    EXPECT_LT(answer.attitude.q_world_imu.angularDistance(expected), 1e-6);
+    const Eigen::Matrix3d covariance = P.block<3, 3>(Index::attitude, Index::attitude);
+    EXPECT_LT((answer.covariance_rad2 - covariance).norm(), 1e-4 * covariance.norm());
+  }
+}
+
+TEST(FixedLagSmoother, AnswersOnceASampleInOrderAtTheSamplesStamps) {
+  const Recording recording = record(5);
+  for (const SmootherLag lag : {SmootherLag(seconds(0)), SmootherLag(milliseconds(333)),
+                                SmootherLag(seconds(60)), SmootherLag()}) {
+    const std::vector<AttitudeEstimate> answers = smooth(recording.samples, lag);
+    ASSERT_EQ(answers.size(), recording.samples.size());
+    for (std::size_t i = 0; i < answers.size(); ++i) {
+      ASSERT_EQ(answers[i].attitude.time, recording.samples[i].time);
+    }
+  }
+}
+
+TEST(FixedLagSmoother, ReleasesAsSoonAsTheLagAndABlockHavePassed) {
+  const Recording recording = record(5);
+  FixedLagSmootherParameters parameters;
+  parameters.lag = milliseconds(500);
+  FixedLagSmoother smoother(parameters);
+  SensorTime released = recording.samples.front().time;
+  for (const ImuSample& sample : recording.samples) {
+    smoother.push(sample);
+    while (const auto answer = smoother.pop()) released = answer->attitude.time;
+    EXPECT_LE(sample.time - released, milliseconds(500 + 2 * 20 + 10));
+  }
+}
+
+TEST(FixedLagSmoother, TheMoreFutureTheBetterTheTilt) {
+  const Recording recording = record(60);
+  const double causal = rms_tilt_error(recording, smooth(recording.samples, seconds(0)));
+  const double one_second = rms_tilt_error(recording, smooth(recording.samples, seconds(1)));
+  const double three_seconds = rms_tilt_error(recording, smooth(recording.samples, seconds(3)));
+  const double whole = rms_tilt_error(recording, smooth(recording.samples, std::nullopt));
+  EXPECT_LT(one_second, causal);
+  EXPECT_LT(three_seconds, one_second);
+  EXPECT_LT(whole, three_seconds);
+}
+
+TEST(FixedLagSmoother, LeavesNoSeams) {
+  const Recording recording = record(20);
+  for (const SmootherLag lag : {SmootherLag(seconds(1)), SmootherLag()}) {
+    const std::vector<AttitudeEstimate> answers = smooth(recording.samples, lag);
+    double worst = 0;
+    for (std::size_t i = 1; i < answers.size(); ++i) {
+      const Eigen::Quaterniond by_gyro =
+          answers[i - 1].attitude.q_world_imu *
+          rotation_from_vector(0.01 * recording.samples[i].gyro_rad_s);
+      worst = std::max(worst, by_gyro.angularDistance(answers[i].attitude.q_world_imu));
+    }
+    // A bias of 1.6 deg/s is 0.016 degrees a sample.
+    EXPECT_LT(worst, 0.12 * kDegree);
+  }
+}
+
+TEST(FixedLagSmoother, AnAccelerometerThatStartsLateTurnsWhatCameBeforeAlong) {
+  Recording recording = record(10);
+  for (std::size_t i = 0; i < 70; ++i) recording.samples[i].accel_m_s2.reset();
+  for (const SmootherLag lag : {SmootherLag(seconds(1)), SmootherLag()}) {
+    const std::vector<AttitudeEstimate> answers = smooth(recording.samples, lag);
+    for (std::size_t i = 1; i < answers.size(); ++i) {
+      const Eigen::Quaterniond by_gyro =
+          answers[i - 1].attitude.q_world_imu *
+          rotation_from_vector(0.01 * recording.samples[i].gyro_rad_s);
+      EXPECT_LT(by_gyro.angularDistance(answers[i].attitude.q_world_imu), 0.5 * kDegree) << i;
+    }
+    EXPECT_LT(tilt_between(answers.front().attitude.q_world_imu, recording.truth.front()),
+              12 * kDegree);
+  }
+}
+
+TEST(FixedLagSmoother, BadSamplesAndHolesLeaveFiniteAnswersInOrder) {
+  Recording recording = record(10);
+  std::vector<ImuSample> samples;
+  for (std::size_t i = 0; i < recording.samples.size(); ++i) {
+    ImuSample sample = recording.samples[i];
+    if (i > 300) sample.time += seconds(10);
+    if (i > 600) sample.time += milliseconds(235);
+    samples.push_back(sample);
+    if (i % 50 == 0) {
+      samples.push_back({sample.time, Eigen::Vector3d::Ones(), kUp});
+      samples.push_back({sample.time + milliseconds(1),
+                         Eigen::Vector3d::Constant(std::nan("")), kUp});
+    }
+  }
+  for (const SmootherLag lag : {SmootherLag(seconds(1)), SmootherLag()}) {
+    const std::vector<AttitudeEstimate> answers = smooth(samples, lag);
+    ASSERT_EQ(answers.size(), recording.samples.size());
+    for (std::size_t i = 0; i < answers.size(); ++i) {
+      ASSERT_TRUE(answers[i].attitude.q_world_imu.coeffs().allFinite());
+      ASSERT_TRUE(answers[i].covariance_rad2.allFinite());
+      if (i > 0) {
+        ASSERT_LT(answers[i - 1].attitude.time, answers[i].attitude.time);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace gimbal
