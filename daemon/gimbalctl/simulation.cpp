@@ -265,7 +265,7 @@ Result<std::unique_ptr<FrameSink>> open_video(const std::filesystem::path& path,
   const SinkFormat sink_format{format.size, format.fps, format.color};
   const std::string pipeline = fmt::format(
       "x264enc pass=qual quantizer=12 speed-preset=superfast bframes=0 vbv-buf-capacity=0 "
-      "! h264parse ! matroskamux ! filesink location={}",
+      "! matroskamux ! filesink location={}",
       in_launch_quotes(path.string()));
   auto sink = open_sink(pipeline, sink_format, std::nullopt);
   return sink ? std::move(sink) : open_sink(path.string(), sink_format, std::nullopt);

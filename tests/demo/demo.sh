@@ -14,7 +14,7 @@ step() { echo; echo "== $*"; }
 
 to_mp4() {
   gst-launch-1.0 -q "$@" ! videoconvert ! x264enc speed-preset=veryfast pass=quant quantizer=22 ! \
-    h264parse ! mp4mux ! filesink location="$output"
+    mp4mux ! filesink location="$output"
 }
 
 # One frame of a video as a picture for the plots; GStreamer counts pictures, it does not pick them.
