@@ -13,6 +13,8 @@ readonly start_s=0 duration_s=10
 step() { echo; echo "== $*"; }
 
 to_mp4() {
+  local output=$1
+  shift
   gst-launch-1.0 -q "$@" ! videoconvert ! x264enc speed-preset=veryfast pass=quant quantizer=22 ! \
     mp4mux ! filesink location="$output"
 }
@@ -37,10 +39,10 @@ step "steady: rectified row by row, and stabilized"
 "$gimbalctl" orient session -o orientation.csv
 
 step "side by side"
-output=original.mp4 to_mp4 filesrc location=session/video.mkv ! decodebin
+to_mp4 original.mp4 filesrc location=session/video.mkv ! decodebin
 half_size="videoscale ! video/x-raw,width=960,height=540"
 # shellcheck disable=SC2086 # words of a pipeline
-output=side-by-side.mp4 to_mp4 \
+to_mp4 side-by-side.mp4 \
   filesrc location=original.mp4 ! decodebin ! $half_size ! both.sink_0 \
   filesrc location=stabilized.mp4 ! decodebin ! $half_size ! both.sink_1 \
   compositor name=both sink_1::xpos=960 ! video/x-raw,width=1920,height=540
