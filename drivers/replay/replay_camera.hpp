@@ -12,10 +12,10 @@ namespace gimbal {
 
 class VideoDecoder;
 
-/// The frames of a recording. Each picture gets the stamp of the recording's frame list that has its
-/// place in the video as index, and is left out where there is none; the video file's own times are
-/// never used. Pictures are handed over in GStreamer's memory,
-/// not copied. `stop` may be called while another thread waits in `read`.
+/// The frames of a recording. Each picture gets the stamp of the recording's frame list that has
+/// its place in the video as index, and is left out where there is none; the video file's own times
+/// are never used. Pictures are handed over in GStreamer's memory, not copied. `stop` may be called
+/// while another thread waits in `read`.
 class ReplayCamera final : public CameraSource {
  public:
   /// `stamps`: indices rise. `fps`: the nominal rate; 0 takes what the video file says.

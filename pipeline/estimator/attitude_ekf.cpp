@@ -19,13 +19,19 @@ constexpr double kSmallestAccelForTilt_m_s2 = 0.1 * kGravity_m_s2;
 // Nothing at all is known of an angle that is spread evenly over a full turn.
 constexpr double kUnknownAngle_rad2 = std::numbers::pi * std::numbers::pi / 3;
 
-constexpr double square(double x) { return x * x; }
+constexpr double square(double x) {
+  return x * x;
+}
 
 /// False also for what is not a number.
-bool is_within(const Eigen::Vector3d& value, double limit) { return value.norm() <= limit; }
+bool is_within(const Eigen::Vector3d& value, double limit) {
+  return value.norm() <= limit;
+}
 
 /// Share of a new value in a mean that forgets with the given time constant.
-double share(double interval_s, double memory_s) { return -std::expm1(-interval_s / memory_s); }
+double share(double interval_s, double memory_s) {
+  return -std::expm1(-interval_s / memory_s);
+}
 
 Eigen::Quaterniond turn_about_vertical(double angle_rad) {
   return {std::cos(angle_rad / 2), 0, 0, std::sin(angle_rad / 2)};
@@ -123,8 +129,9 @@ void AttitudeEkf::bridge_or_advance(const ImuSample& sample, double interval_s) 
     // Between two known ends, a random walk's integral has a twelfth of T³ (Brownian bridge).
     noise.attitude_rad2.diagonal().array() +=
         state_.rate_walk_rad2_s3 * interval_s * interval_s * interval_s / 12;
-    noise.velocity_m2_s2 += (state_.accel_mean_square_m2_s4 + square(parameters_.unseen_accel_m_s2)) *
-                            interval_s * interval_s;
+    noise.velocity_m2_s2 +=
+        (state_.accel_mean_square_m2_s4 + square(parameters_.unseen_accel_m_s2)) * interval_s *
+        interval_s;
   }
   add_lost_axes(sample, interval_s, noise);
   state_.filter.advance(gyro_rad_s, accel_m_s2, interval_s, noise);
@@ -142,8 +149,8 @@ IntervalNoise AttitudeEkf::noise_of(const Eigen::Vector3d& gyro_rad_s,
     noise.velocity_m2_s2 = square(p.unseen_accel_m_s2) * interval_s;
     return noise;
   }
-  const Eigen::Vector3d beside_gravity = state_.filter.mean().q_world_imu * *accel_m_s2 -
-                                         Eigen::Vector3d(0, 0, kGravity_m_s2);
+  const Eigen::Vector3d beside_gravity =
+      state_.filter.mean().q_world_imu * *accel_m_s2 - Eigen::Vector3d(0, 0, kGravity_m_s2);
   noise.velocity_m2_s2 = (square(p.accel_noise_m_s2_rthz) +
                           square(p.accel_misfit_rts) * beside_gravity.squaredNorm()) *
                          interval_s;
@@ -177,8 +184,8 @@ void AttitudeEkf::learn_intervals(const ImuSample& sample, double interval_s) {
 void AttitudeEkf::set_tilt(const Eigen::Vector3d& accel_m_s2) {
   if (accel_m_s2.norm() < kSmallestAccelForTilt_m_s2) return;
   InertialState& mean = state_.filter.mean();
-  const auto turn = Eigen::Quaterniond::FromTwoVectors(mean.q_world_imu * accel_m_s2,
-                                                       Eigen::Vector3d::UnitZ());
+  const auto turn =
+      Eigen::Quaterniond::FromTwoVectors(mean.q_world_imu * accel_m_s2, Eigen::Vector3d::UnitZ());
   mean.q_world_imu = (turn * mean.q_world_imu).normalized();
   mean.velocity_m_s.setZero();
   ErrorCovariance& P = state_.filter.covariance();
@@ -202,7 +209,8 @@ void AttitudeEkf::restart_tilt(const ImuSample& sample) {
   if (sample.accel_m_s2) set_tilt(*sample.accel_m_s2);
   // Nothing is known of the turn meanwhile: heading less than tilt, which the accelerometer shows.
   ErrorCovariance& P = state_.filter.covariance();
-  const double tilt = state_.tilt_is_known ? square(parameters_.start_tilt_sigma_rad) : kUnknownAngle_rad2;
+  const double tilt =
+      state_.tilt_is_known ? square(parameters_.start_tilt_sigma_rad) : kUnknownAngle_rad2;
   set_variance(P, Index::attitude, {tilt, tilt, kUnknownAngle_rad2});
   if (!state_.tilt_is_known) ++state_.step_count;
   state_.filter.discard_step();
@@ -223,8 +231,8 @@ void AttitudeEkf::close_step() {
   step.update_count = 0;
   step.attitude_correction.setZero();
   if (pending.accel_interval_s > 0) {
-    const Eigen::Vector3d beside_gravity = pending.velocity_m_s / pending.accel_interval_s -
-                                           Eigen::Vector3d(0, 0, kGravity_m_s2);
+    const Eigen::Vector3d beside_gravity =
+        pending.velocity_m_s / pending.accel_interval_s - Eigen::Vector3d(0, 0, kGravity_m_s2);
     state_.accel_mean_square_m2_s4 +=
         share(pending.accel_interval_s, parameters_.accel_memory_s) *
         (beside_gravity.squaredNorm() - state_.accel_mean_square_m2_s4);
@@ -267,9 +275,9 @@ void AttitudeEkf::watch_bias(const ErrorStateFilter::Pending& step) {
   state_.rate_variance_rad2_s2 += share(step.interval_s, 1.5 * memory_s) *
                                   (change.squaredNorm() - state_.rate_variance_rad2_s2);
   if (state_.rate_mean_rad_s.cwiseAbs().maxCoeff() > parameters_.largest_bias_rad_s) return;
-  const double variance = parameters_.rate_density_s *
-                          (state_.rate_variance_rad2_s2 + square(parameters_.steadiest_rate_rad_s)) /
-                          step.interval_s;
+  const double variance =
+      parameters_.rate_density_s *
+      (state_.rate_variance_rad2_s2 + square(parameters_.steadiest_rate_rad_s)) / step.interval_s;
   for (int i = 0; i < 3; ++i) {
     measure(Index::gyro_bias + i, rate(i) - state_.filter.mean().gyro_bias_rad_s(i), variance);
   }
@@ -283,8 +291,8 @@ void AttitudeEkf::measure(int index, double residual, double noise_variance) {
 }
 
 AttitudeEstimate AttitudeEkf::predict(SensorTime time) const {
-  AttitudeEstimate estimate{{time, shown_attitude()}, state_.filter.attitude_covariance(),
-                            AttitudeOrigin::predicted};
+  AttitudeEstimate estimate{
+      {time, shown_attitude()}, state_.filter.attitude_covariance(), AttitudeOrigin::predicted};
   if (!state_.last || time < state_.last->time) return estimate;
   const double ahead_s = to_seconds(time - state_.last->time);
   if (ahead_s == 0) {

@@ -18,8 +18,7 @@ namespace gimbal {
 struct GyroBias {
   Eigen::Vector3d bias_rad_s = Eigen::Vector3d::Zero();
   /// An axis each. Data sheets of consumer sensors promise 5 deg/s at worst.
-  Eigen::Vector3d sigma_rad_s =
-      Eigen::Vector3d::Constant(2.5 * std::numbers::pi / 180);
+  Eigen::Vector3d sigma_rad_s = Eigen::Vector3d::Constant(2.5 * std::numbers::pi / 180);
 };
 
 /// One set for all devices. Densities are one-sided, an axis.
@@ -42,8 +41,8 @@ struct AttitudeEkfParameters {
   // density is twice its variance times its correlation time; faster shakes move faster.
   double velocity_density_m2_s = 0.4;
   double velocity_density_by_accel_s3 = 0.025;  ///< times the recent mean square acceleration
-  /// Acceleration beside gravity is bounded too, which brings a tilt that is badly known (at the start,
-  /// after gaps and lost axes) near in no time. Later its correlation in time would mislead.
+  /// Acceleration beside gravity is bounded too, which brings a tilt that is badly known (at the
+  /// start, after gaps and lost axes) near in no time. Later its correlation in time would mislead.
   double accel_density_m2_s3 = 0.06;
   double accel_density_by_accel_s = 0.2;
   double coarse_tilt_sigma_rad = 0.05;  ///< below this the velocity alone decides
@@ -75,8 +74,8 @@ struct AttitudeEkfCounts {
   std::size_t skipped_gyro = 0;   ///< not finite, beyond any sensor's range, or not later
   std::size_t skipped_accel = 0;  ///< not finite or beyond any sensor's range
   std::size_t gaps = 0;
-  std::size_t restarts = 0;       ///< gaps beyond the longest bridge
-  std::size_t lost_samples = 0;   ///< with an axis clipped or stuck
+  std::size_t restarts = 0;      ///< gaps beyond the longest bridge
+  std::size_t lost_samples = 0;  ///< with an axis clipped or stuck
 };
 
 /// An orientation with its uncertainty.
@@ -110,13 +109,14 @@ struct AttitudeEkfState {
 };
 
 /// Error-state Kalman filter for a camera that is held, worn, carried or flown, without a
-/// magnetometer. States: attitude, gyroscope bias and scale, velocity, accelerometer bias and scale.
+/// magnetometer. States: attitude, gyroscope bias and scale, velocity, accelerometer bias and
+/// scale.
 ///
 /// Gravity comes in through the velocity: specific force less gravity, integrated in world axes, is
-/// the device's velocity plus what a wrong tilt adds; a device that stays where it is or walks has a
-/// bounded velocity, so that what grows is tilt error. Short accelerations cancel by themselves.
-/// There is no rest detector: bias is measured all the time, and the recent variance of the rate says
-/// how well; over a step of 20 ms, vibration of motors cancels.
+/// the device's velocity plus what a wrong tilt adds; a device that stays where it is or walks has
+/// a bounded velocity, so that what grows is tilt error. Short accelerations cancel by themselves.
+/// There is no rest detector: bias is measured all the time, and the recent variance of the rate
+/// says how well; over a step of 20 ms, vibration of motors cancels.
 ///
 /// Heading is never observed. What a better bias says about past heading is kept in the filter but
 /// not shown: the answers' heading has no steps, only the rate's integral.
@@ -130,8 +130,8 @@ class AttitudeEkf final : public Estimator {
   /// A sample that cannot be used is skipped and counted; the answer is then a prediction.
   Attitude update(const ImuSample& sample) override;
 
-  /// At the last sample `exact`; later with the last rate, `predicted`. Before the first sample, and
-  /// for instants before the last one, the last orientation, `predicted`.
+  /// At the last sample `exact`; later with the last rate, `predicted`. Before the first sample,
+  /// and for instants before the last one, the last orientation, `predicted`.
   [[nodiscard]] AttitudeEstimate predict(SensorTime time) const;
 
   /// To be kept for the next run.

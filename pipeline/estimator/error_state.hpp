@@ -14,11 +14,11 @@ inline constexpr double kGravity_m_s2 = 9.81;  ///< along world -z
 /// Where each quantity lies in the error state. Attitude errors are rotation vectors in world axes,
 /// q_true = exp(attitude) q; every other error is true less estimated.
 struct ErrorIndex {
-  static constexpr int attitude = 0;     ///< rad, world axes
-  static constexpr int gyro_bias = 3;    ///< rad/s, IMU axes
-  static constexpr int velocity = 6;     ///< m/s, world axes
-  static constexpr int accel_bias = 9;   ///< m/s², IMU axes
-  static constexpr int gyro_scale = 12;  ///< an axis each: measured = (1 + scale) true + bias
+  static constexpr int attitude = 0;      ///< rad, world axes
+  static constexpr int gyro_bias = 3;     ///< rad/s, IMU axes
+  static constexpr int velocity = 6;      ///< m/s, world axes
+  static constexpr int accel_bias = 9;    ///< m/s², IMU axes
+  static constexpr int gyro_scale = 12;   ///< an axis each: measured = (1 + scale) true + bias
   static constexpr int accel_scale = 15;  ///< common to all axes
   static constexpr int size = 16;
 };
@@ -80,7 +80,7 @@ struct FilterStep {
   static constexpr std::size_t kMaxUpdates = 8;
 
   SensorTime time;
-  ErrorTransition transition;                    ///< from the step before to this one
+  ErrorTransition transition;                     ///< from the step before to this one
   std::array<ScalarUpdate, kMaxUpdates> updates;  ///< the first `update_count` in order
   std::size_t update_count = 0;
   Eigen::Vector3d attitude_correction = Eigen::Vector3d::Zero();  ///< by all updates together

@@ -31,8 +31,7 @@ void ErrorStateFilter::advance(const Eigen::Vector3d& gyro_rad_s,
   pending_.turn_rad += gyro_rad_s * interval_s;
   pending_.interval_s += interval_s;
   if (accel_m_s2) {
-    const Eigen::Vector3d force =
-        (1 - mean_.accel_scale) * (*accel_m_s2 - mean_.accel_bias_m_s2);
+    const Eigen::Vector3d force = (1 - mean_.accel_scale) * (*accel_m_s2 - mean_.accel_bias_m_s2);
     const Eigen::Vector3d gained = R_dt * force;
     mean_.velocity_m_s += gained;
     mean_.velocity_m_s.z() -= kGravity_m_s2 * interval_s;
@@ -53,7 +52,8 @@ ErrorTransition ErrorStateFilter::transition() const {
   F.velocity_by_attitude = -pending_.accel_interval_s * gravity;
   // A bias or a scale turns the attitude evenly, so that on average half of the turn acts.
   F.velocity_by_gyro_bias = 0.5 * pending_.accel_interval_s * gravity * pending_.rotation_s;
-  F.velocity_by_gyro_scale = 0.5 * pending_.accel_interval_s * gravity * pending_.rotation_by_rate_rad;
+  F.velocity_by_gyro_scale =
+      0.5 * pending_.accel_interval_s * gravity * pending_.rotation_by_rate_rad;
   F.velocity_by_accel_bias = -fraction * pending_.rotation_s;
   F.velocity_by_accel_scale = -pending_.velocity_m_s;
   return F;
@@ -95,9 +95,9 @@ Eigen::Matrix3d ErrorStateFilter::attitude_covariance() const {
   const Eigen::Matrix3d cross =
       F.attitude_by_gyro_bias * P_.block<3, 3>(Index::gyro_bias, Index::attitude) +
       F.attitude_by_gyro_scale * P_.block<3, 3>(Index::gyro_scale, Index::attitude);
-  const Eigen::Matrix3d bias_and_scale =
-      F.attitude_by_gyro_bias * P_.block<3, 3>(Index::gyro_bias, Index::gyro_scale) *
-      F.attitude_by_gyro_scale.transpose();
+  const Eigen::Matrix3d bias_and_scale = F.attitude_by_gyro_bias *
+                                         P_.block<3, 3>(Index::gyro_bias, Index::gyro_scale) *
+                                         F.attitude_by_gyro_scale.transpose();
   return attitude + cross + cross.transpose() + bias_and_scale + bias_and_scale.transpose() +
          F.attitude_by_gyro_bias * P_.block<3, 3>(Index::gyro_bias, Index::gyro_bias) *
              F.attitude_by_gyro_bias.transpose() +

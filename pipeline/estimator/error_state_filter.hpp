@@ -47,10 +47,10 @@ class ErrorStateFilter {
 
   /// Sums over the samples since the last step.
   struct Pending {
-    Eigen::Matrix3d rotation_s = Eigen::Matrix3d::Zero();           ///< of R dt
+    Eigen::Matrix3d rotation_s = Eigen::Matrix3d::Zero();            ///< of R dt
     Eigen::Matrix3d rotation_by_rate_rad = Eigen::Matrix3d::Zero();  ///< of R diag(rate) dt
-    Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();         ///< of R f dt
-    Eigen::Vector3d turn_rad = Eigen::Vector3d::Zero();             ///< of the measured rate
+    Eigen::Vector3d velocity_m_s = Eigen::Vector3d::Zero();          ///< of R f dt
+    Eigen::Vector3d turn_rad = Eigen::Vector3d::Zero();              ///< of the measured rate
     double interval_s = 0;
     double accel_interval_s = 0;
     IntervalNoise noise;

@@ -4,8 +4,8 @@ namespace gimbal {
 namespace {
 
 constexpr double kEnough_s = 2;
-// A shake as fast as arms can do averages below 15 rad/s; a camera in deg/s that is just held already
-// shows more in most seconds.
+// A shake as fast as arms can do averages below 15 rad/s; a camera in deg/s that is just held
+// already shows more in most seconds.
 constexpr double kLargestMeanRate_rad_s = 20;
 constexpr double kLargestMeanForce_m_s2 = 50;
 constexpr double kSmallestMeanForce_m_s2 = 5;
@@ -16,16 +16,19 @@ constexpr double kSmallestMeanForceInG = 0.5;
 
 std::string_view describe(Plausibility plausibility) {
   switch (plausibility) {
-    case Plausibility::plausible: return "";
+    case Plausibility::plausible:
+      return "";
     case Plausibility::accel_in_g:
-      return "the accelerometer shows about 1 m/s² on average, so it is probably in g; say so where its "
+      return "the accelerometer shows about 1 m/s² on average, so it is probably in g; say so "
+             "where its "
              "unit is given";
     case Plausibility::accel_too_small:
       return "the accelerometer shows far less than gravity on average; check its unit and scale";
     case Plausibility::accel_too_large:
       return "the accelerometer shows more than 5 g on average; check its unit and scale";
     case Plausibility::gyro_in_degrees:
-      return "the gyroscope turns faster than any hand on average, so it is probably in deg/s or raw "
+      return "the gyroscope turns faster than any hand on average, so it is probably in deg/s or "
+             "raw "
              "counts; convert it to rad/s";
   }
   return "";

@@ -48,8 +48,8 @@ using GstPipelinePtr = std::unique_ptr<GstElement, GstPipelineStop>;
 /// An element of the pipeline by its name in the text; it must be there.
 [[nodiscard]] GstElementPtr element_named(const GstPipelinePtr& pipeline, const char* name);
 
-/// Whether a thread of a started pipeline still moves data. If not, and no message says so, an error got
-/// lost: decodebin and parsebin lose those that a demuxer posts while they are adding it.
+/// Whether a thread of a started pipeline still moves data. If not, and no message says so, an
+/// error got lost: decodebin and parsebin lose those that a demuxer posts while they are adding it.
 [[nodiscard]] bool is_streaming(const GstPipelinePtr& pipeline);
 
 [[nodiscard]] bool is_element_installed(const char* element);

@@ -22,10 +22,9 @@ std::vector<Rate> rates_of(std::span<const FramePose> poses) {
     const SensorTime to = poses[i].stamp.time;
     const double interval_s = to_seconds(to - from);
     if (interval_s <= 0) continue;
-    const Eigen::AngleAxisd turn(poses[i].q_world_camera *
-                                 poses[i - 1].q_world_camera.conjugate());
-    rates.push_back({seconds_since_epoch(from + (to - from) / 2),
-                     turn.angle() / interval_s * turn.axis()});
+    const Eigen::AngleAxisd turn(poses[i].q_world_camera * poses[i - 1].q_world_camera.conjugate());
+    rates.push_back(
+        {seconds_since_epoch(from + (to - from) / 2), turn.angle() / interval_s * turn.axis()});
   }
   return rates;
 }

@@ -7,8 +7,8 @@ namespace {
 
 using Index = ErrorIndex;
 
-/// What later measurements say about a step: the adjoint of Bierman's recursion, so that the smoothed
-/// error is -P λ. Here from a step's updates back to before them.
+/// What later measurements say about a step: the adjoint of Bierman's recursion, so that the
+/// smoothed error is -P λ. Here from a step's updates back to before them.
 void undo_updates(const FilterStep& step, ErrorState& adjoint) {
   for (std::size_t i = step.update_count; i-- > 0;) {
     const ScalarUpdate& update = step.updates[i];
@@ -30,7 +30,8 @@ void undo_updates(const FilterStep& step, ErrorCovariance& information) {
   }
 }
 
-ErrorCovariance back_through(const ErrorTransition& transition, const ErrorCovariance& information) {
+ErrorCovariance back_through(const ErrorTransition& transition,
+                             const ErrorCovariance& information) {
   ErrorCovariance half;
   for (int i = 0; i < Index::size; ++i) {
     half.row(i) = transition.transpose_times(information.col(i)).transpose();
@@ -54,7 +55,8 @@ double filter_trace(const FilterStep& step) {
 }
 
 /// The correction at the end of a step before its updates, whose own correction it includes.
-Eigen::Vector3d correction_before_updates(const Eigen::Vector3d& correction, const FilterStep& step) {
+Eigen::Vector3d correction_before_updates(const Eigen::Vector3d& correction,
+                                          const FilterStep& step) {
   return vector_from_rotation(rotation_from_vector(correction) *
                               rotation_from_vector(step.attitude_correction));
 }
@@ -86,8 +88,8 @@ void FixedLagSmoother::take_step() {
 void FixedLagSmoother::turn_world(const FilterStep& step) {
   const Eigen::Quaterniond& turn = step.world_turn;
   if (turn.isApprox(Eigen::Quaterniond::Identity(), 0)) return;
-  // What came before the accelerometer is turned along, and its tilt is as uncertain. The newest sample
-  // is in the new world already.
+  // What came before the accelerometer is turned along, and its tilt is as uncertain. The newest
+  // sample is in the new world already.
   for (std::size_t i = 0; i + 1 < samples_.size(); ++i) {
     samples_[i].q_world_imu = turn * samples_[i].q_world_imu;
   }
@@ -116,7 +118,8 @@ void FixedLagSmoother::release_ready() {
   while (last + 1 < steps_.size() && steps_[last + 1].step.time <= newest_ready) ++last;
   if (last == 0) return;
   const bool block_is_full =
-      steps_[last].step.time - steps_.front().step.time + parameters_.ekf.step / 2 > parameters_.block;
+      steps_[last].step.time - steps_.front().step.time + parameters_.ekf.step / 2 >
+      parameters_.block;
   if (!block_is_full) return;
   if (covariance_is_due(steps_[last])) {
     look_back_with_covariance();

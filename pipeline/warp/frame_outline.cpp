@@ -18,10 +18,12 @@ bool reads_rows(ReadoutDirection direction) {
   return direction == ReadoutDirection::top_down || direction == ReadoutDirection::bottom_up;
 }
 
-Vector2d center_of(ImageSize size) { return {(size.width - 1) / 2.0, (size.height - 1) / 2.0}; }
+Vector2d center_of(ImageSize size) {
+  return {(size.width - 1) / 2.0, (size.height - 1) / 2.0};
+}
 
-/// Points of the outline as the camera sees them, in half output sizes from the output's centre: the
-/// output at zoom z is the square |x|, |y| <= 1/z. Nothing if part of the outline is behind it.
+/// Points of the outline as the camera sees them, in half output sizes from the output's centre:
+/// the output at zoom z is the square |x|, |y| <= 1/z. Nothing if part of the outline is behind it.
 std::optional<std::vector<Vector2d>> seen_from(const FrameOutline& outline,
                                                const Eigen::Quaterniond& q_world_camera,
                                                const PinholeIntrinsics& intrinsics,
@@ -41,7 +43,9 @@ std::optional<std::vector<Vector2d>> seen_from(const FrameOutline& outline,
   return points;
 }
 
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+double cross(const Vector2d& a, const Vector2d& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
 
 bool contains_origin(const std::vector<Vector2d>& polygon) {
   bool inside = false;
@@ -75,9 +79,9 @@ double square_distance(const Vector2d& a, const Vector2d& b) {
 
 FrameOutline trace_outline(const Lens& lens, ImageSize size, ReadoutDirection direction,
                            const LineOrientation& q_world_camera, int points_per_side) {
-  const std::array<Vector2d, 4> corners = {
-      Vector2d(-0.5, -0.5), Vector2d(size.width - 0.5, -0.5),
-      Vector2d(size.width - 0.5, size.height - 0.5), Vector2d(-0.5, size.height - 0.5)};
+  const std::array<Vector2d, 4> corners = {Vector2d(-0.5, -0.5), Vector2d(size.width - 0.5, -0.5),
+                                           Vector2d(size.width - 0.5, size.height - 0.5),
+                                           Vector2d(-0.5, size.height - 0.5)};
   FrameOutline outline;
   for (std::size_t side = 0; side < corners.size(); ++side) {
     const Vector2d& from = corners[side];

@@ -24,9 +24,9 @@ struct FrameOutline {
                                          const LineOrientation& q_world_camera,
                                          int points_per_side);
 
-/// The smallest zoom, about the centre of the output, at which every output pixel of the camera lies
-/// inside the outline; infinite if the centre itself sees past the edge. `camera` is taken at zoom 1
-/// with its principal point anywhere.
+/// The smallest zoom, about the centre of the output, at which every output pixel of the camera
+/// lies inside the outline; infinite if the centre itself sees past the edge. `camera` is taken at
+/// zoom 1 with its principal point anywhere.
 [[nodiscard]] double required_zoom(const FrameOutline& outline,
                                    const Eigen::Quaterniond& q_world_camera,
                                    const PinholeIntrinsics& unzoomed, ImageSize output_size);

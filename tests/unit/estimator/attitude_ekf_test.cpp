@@ -15,7 +15,8 @@
 
 namespace {
 
-// Counts what this program allocates. NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables)
+// Counts what this program allocates.
+// NOLINTNEXTLINE(cppcoreguidelines-avoid-non-const-global-variables)
 std::size_t allocation_count = 0;
 
 }  // namespace
@@ -26,8 +27,12 @@ void* operator new(std::size_t size) {
   if (void* memory = std::malloc(size)) return memory;
   throw std::bad_alloc();
 }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t /*size*/) noexcept { std::free(memory); }
+void operator delete(void* memory) noexcept {
+  std::free(memory);
+}
+void operator delete(void* memory, std::size_t /*size*/) noexcept {
+  std::free(memory);
+}
 
 namespace gimbal {
 namespace {
@@ -43,8 +48,8 @@ struct Moment {
   ImuSample sample;
 };
 
-/// A hand: turns by all axes within `amplitude` (rad), moves within some centimetres. True rates and
-/// forces, averaged over the interval before each stamp; 200 Hz.
+/// A hand: turns by all axes within `amplitude` (rad), moves within some centimetres. True rates
+/// and forces, averaged over the interval before each stamp; 200 Hz.
 std::vector<Moment> handheld(double duration_s, double amplitude_rad) {
   const auto attitude = [&](double t) {
     return rotation_from_vector(amplitude_rad * Eigen::Vector3d(std::sin(2.1 * t), 0, 0)) *
@@ -59,8 +64,7 @@ std::vector<Moment> handheld(double duration_s, double amplitude_rad) {
   for (int i = 1; i * kInterval_s <= duration_s; ++i) {
     const double t = i * kInterval_s;
     const Eigen::Quaterniond q = attitude(t);
-    const Eigen::Vector3d turn =
-        vector_from_rotation(attitude(t - kInterval_s).conjugate() * q);
+    const Eigen::Vector3d turn = vector_from_rotation(attitude(t - kInterval_s).conjugate() * q);
     const Eigen::Quaterniond q_middle = attitude(t - kInterval_s / 2);
     moments.push_back({q,
                        {time_from_seconds(t), turn / kInterval_s,
@@ -75,7 +79,9 @@ double tilt_between(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
   return std::acos(std::clamp(cosine, -1.0, 1.0));
 }
 
-ImuSample at_rest(SensorTime time) { return {time, Eigen::Vector3d::Zero(), kUp}; }
+ImuSample at_rest(SensorTime time) {
+  return {time, Eigen::Vector3d::Zero(), kUp};
+}
 
 void rest(AttitudeEkf& ekf, SensorTime from, SensorTime to) {
   for (SensorTime t = from; t <= to; t += milliseconds(5)) ekf.update(at_rest(t));
@@ -162,9 +168,9 @@ TEST(AttitudeEkf, AccelerationNeverTurnsTheHeading) {
   Attitude answer;
   for (int i = 0; i <= 3000; ++i) {
     const double t = 0.005 * i;
-    const Eigen::Vector3d push =
-        t < 5 ? Eigen::Vector3d::Zero()
-              : Eigen::Vector3d(6 * std::sin(3 * t), 4 * std::cos(2 * t), 0);
+    const Eigen::Vector3d push = t < 5
+                                     ? Eigen::Vector3d::Zero()
+                                     : Eigen::Vector3d(6 * std::sin(3 * t), 4 * std::cos(2 * t), 0);
     answer = ekf.update({time_from_seconds(t), Eigen::Vector3d::Zero(), kUp + push});
   }
   const Eigen::Quaterniond& q = answer.q_world_imu;
@@ -202,8 +208,8 @@ TEST(AttitudeEkf, SkipsBadSamplesAsIfTheyHadNotBeen) {
           dirty.update({time + milliseconds(1), Eigen::Vector3d(0, bad, 0), kUp});
       EXPECT_TRUE(answer.q_world_imu.coeffs().allFinite());
     }
-    dirty.update({time, Eigen::Vector3d::Ones(), kUp});                    // repeated
-    dirty.update({time - seconds(1), Eigen::Vector3d::Ones(), kUp});       // backward
+    dirty.update({time, Eigen::Vector3d::Ones(), kUp});               // repeated
+    dirty.update({time - seconds(1), Eigen::Vector3d::Ones(), kUp});  // backward
   }
   EXPECT_TRUE(is_same(clean, dirty));
   EXPECT_EQ(dirty.counts().skipped_gyro, 6 * 1000u);
@@ -282,8 +288,8 @@ TEST(AttitudeEkf, ARecoversFromAHoleWithoutForceAfterIt) {
   ekf.update({SensorTime(seconds(15)), Eigen::Vector3d::Zero(), std::nullopt});
   EXPECT_GT(ekf.predict(SensorTime(seconds(15))).covariance_rad2(0, 0), 1);
   const Eigen::Quaterniond q_new = rotation_from_vector({1.2, 0.4, 0});
-  const Attitude answer = ekf.update(
-      {SensorTime(seconds(15) + milliseconds(5)), Eigen::Vector3d::Zero(), q_new.conjugate() * kUp});
+  const Attitude answer = ekf.update({SensorTime(seconds(15) + milliseconds(5)),
+                                      Eigen::Vector3d::Zero(), q_new.conjugate() * kUp});
   EXPECT_LT(tilt_between(answer.q_world_imu, q_new), 1e-6);
 }
 
@@ -353,11 +359,10 @@ TEST(AttitudeEkf, NamesUnitsThatCannotBe) {
     double accel_factor;
     Plausibility expected;
   };
-  for (const Case& c : {Case{1, 1, Plausibility::plausible},
-                        Case{1, 1 / 9.80665, Plausibility::accel_in_g},
-                        Case{1, 0.01, Plausibility::accel_too_small},
-                        Case{1, 1000, Plausibility::accel_too_large},
-                        Case{180 / std::numbers::pi, 1, Plausibility::gyro_in_degrees}}) {
+  for (const Case& c :
+       {Case{1, 1, Plausibility::plausible}, Case{1, 1 / 9.80665, Plausibility::accel_in_g},
+        Case{1, 0.01, Plausibility::accel_too_small}, Case{1, 1000, Plausibility::accel_too_large},
+        Case{180 / std::numbers::pi, 1, Plausibility::gyro_in_degrees}}) {
     AttitudeEkf ekf;
     for (Moment moment : handheld(5, 0.8)) {
       moment.sample.gyro_rad_s *= c.gyro_factor;

@@ -44,8 +44,7 @@ ErrorStateFilter tumble(const InertialState& mean, const Eigen::Quaterniond& q_t
 
 ErrorState difference(const InertialState& a, const InertialState& b) {
   ErrorState d;
-  d.segment<3>(Index::attitude) =
-      vector_from_rotation(a.q_world_imu * b.q_world_imu.conjugate());
+  d.segment<3>(Index::attitude) = vector_from_rotation(a.q_world_imu * b.q_world_imu.conjugate());
   d.segment<3>(Index::gyro_bias) = a.gyro_bias_rad_s - b.gyro_bias_rad_s;
   d.segment<3>(Index::velocity) = a.velocity_m_s - b.velocity_m_s;
   d.segment<3>(Index::accel_bias) = a.accel_bias_m_s2 - b.accel_bias_m_s2;
@@ -166,8 +165,8 @@ class Simulation {
 
   static ErrorState start_variance() {
     ErrorState sigma;
-    sigma << 0.05, 0.05, 0.01, 0.02, 0.02, 0.02, 0.3, 0.3, 0.3, 0.05, 0.05, 0.05, 0.005, 0.005, 0.005,
-        0.01;
+    sigma << 0.05, 0.05, 0.01, 0.02, 0.02, 0.02, 0.3, 0.3, 0.3, 0.05, 0.05, 0.05, 0.005, 0.005,
+        0.005, 0.01;
     return sigma.cwiseAbs2();
   }
 

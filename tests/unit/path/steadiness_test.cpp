@@ -15,9 +15,9 @@ std::vector<FramePose> turning(Angle angle_rad) {
   std::vector<FramePose> poses;
   for (int i = 0; i < 300; ++i) {
     const double time_s = i / 30.0;
-    poses.push_back({{i, time_from_seconds(time_s), std::nullopt},
-                     Eigen::Quaterniond(
-                         Eigen::AngleAxisd(angle_rad(time_s), Eigen::Vector3d::UnitY()))});
+    poses.push_back(
+        {{i, time_from_seconds(time_s), std::nullopt},
+         Eigen::Quaterniond(Eigen::AngleAxisd(angle_rad(time_s), Eigen::Vector3d::UnitY()))});
   }
   return poses;
 }

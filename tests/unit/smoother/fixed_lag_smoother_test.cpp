@@ -81,7 +81,8 @@ double rms_tilt_error(const Recording& recording, const std::vector<AttitudeEsti
   return std::sqrt(sum / static_cast<double>(answers.size()));
 }
 
-/// Rauch, Tung and Striebel (1965), with dense matrices and inverses, from the filter's own numbers.
+/// Rauch, Tung and Striebel (1965), with dense matrices and inverses, from the filter's own
+/// numbers.
 struct DenseStep {
   ErrorCovariance F;
   ErrorCovariance P_predicted;
@@ -216,8 +217,8 @@ TEST(FixedLagSmoother, BadSamplesAndHolesLeaveFiniteAnswersInOrder) {
     samples.push_back(sample);
     if (i % 50 == 0) {
       samples.push_back({sample.time, Eigen::Vector3d::Ones(), kUp});
-      samples.push_back({sample.time + milliseconds(1),
-                         Eigen::Vector3d::Constant(std::nan("")), kUp});
+      samples.push_back(
+          {sample.time + milliseconds(1), Eigen::Vector3d::Constant(std::nan("")), kUp});
     }
   }
   for (const SmootherLag lag : {SmootherLag(seconds(1)), SmootherLag()}) {
