@@ -7,19 +7,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <memory>
 #include <numbers>
 #include <string>
 #include <vector>
 
-#include "drivers/replay/session.hpp"
 #include "drivers/synthetic/motion.hpp"
-#include "drivers/synthetic/recorded_motion.hpp"
 #include "drivers/synthetic/synthetic_imu.hpp"
 #include "pipeline/estimator/thesis_ekf.hpp"
 #include "pipeline/stabilizer.hpp"
 #include "pipeline/timing/imu_aligner.hpp"
+#include "tests/golden/ipod_in_hand.hpp"
 #include "tests/support/truth_error.hpp"
 
 namespace gimbal {
@@ -29,37 +27,11 @@ constexpr ImageSize kSize{1280, 720};
 constexpr int kGridColumns = 16;
 constexpr int kGridRows = 18;
 
-CameraCalibration ipod_touch() {
-  CameraCalibration camera;
-  camera.size = kSize;
-  camera.fps = 30;
-  camera.lens.K << 1223.0, 0, 650.4, 0, 1217.5, 345.3, 0, 0, 1;  // thesis (2.6)
-  camera.readout = std::chrono::milliseconds(30);
-  return camera;
-}
-
-ImuCalibration phone_axes() {
-  ImuCalibration imu;
-  imu.R_camera_imu << 0, -1, 0, -1, 0, 0, 0, 0, -1;
-  return imu;
-}
-
-/// Part of the log of a real hand that lies beside the synthetic camera.
-Motion hand_motion(double start_s, double duration_s) {
-  const auto session = open_session(std::filesystem::path(GIMBALD_MOTIONS) / "iphone-handheld");
-  if (!session) throw std::runtime_error(session.error().message);
-  auto motion =
-      make_recorded_motion({session->gyro, session->accel, phone_axes().R_camera_imu},
-                           duration_from_seconds(start_s), duration_from_seconds(duration_s));
-  if (!motion) throw std::runtime_error(motion.error().message);
-  return *motion;
-}
-
 /// A phone's sensors: 100 Hz like the log, the log's own bias, noise as in data sheets (BMI160:
 /// 0.007 deg/s/√Hz, 180 µg/√Hz).
 SyntheticImuSettings phone_sensors(double duration_s) {
   SyntheticImuSettings settings;
-  settings.R_camera_imu = phone_axes().R_camera_imu;
+  settings.R_camera_imu = test::phone_axes().R_camera_imu;
   settings.span = {time_from_seconds(0), time_from_seconds(duration_s)};
   settings.gyro_clock = {100, {}};
   settings.accel_clock = {100, std::chrono::milliseconds(1)};
@@ -109,8 +81,8 @@ void append(std::vector<double>& to, const std::vector<double>& from) {
 class Rectification : public ::testing::TestWithParam<Part> {
  protected:
   Rectification()
-      : motion_(hand_motion(GetParam().start_s, GetParam().duration_s)),
-        camera_(ipod_touch()),
+      : motion_(test::hand_motion(GetParam().start_s, GetParam().duration_s)),
+        camera_(test::ipod_touch()),
         lens_(*Lens::create(camera_.lens)) {}
 
   /// The instants of rows, written out here once more so that the pipeline's are not their own
@@ -135,7 +107,7 @@ Errors Rectification::run(std::unique_ptr<Estimator> estimator,
                           const std::vector<ImuSample>& samples) const {
   StabilizerOptions options;
   options.zoom = {1.1, 1.1};
-  auto stabilizer = Stabilizer::create(camera_, phone_axes(), std::move(estimator),
+  auto stabilizer = Stabilizer::create(camera_, test::phone_axes(), std::move(estimator),
                                        make_adaptive_hann_path({}, std::nullopt), options);
   if (!stabilizer) throw std::runtime_error(stabilizer.error().message);
   for (const ImuSample& sample : samples) stabilizer->push(sample);
@@ -187,7 +159,8 @@ TEST_P(Rectification, TrueOrientationDrawsTheTruth) {
   for (double t = -0.01; t < GetParam().duration_s; t += 0.001) {
     instants.push_back({time_from_seconds(t), Eigen::Vector3d::Zero(), std::nullopt});
   }
-  const Errors errors = run(std::make_unique<TruthEstimator>(motion_, phone_axes()), instants);
+  const Errors errors =
+      run(std::make_unique<TruthEstimator>(motion_, test::phone_axes()), instants);
   fmt::print(
       "{}: before mean {:.3f} max {:.2f} px; after, true orientation: mean {:.4f} max {:.4f} "
       "px\n",
