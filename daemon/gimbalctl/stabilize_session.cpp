@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <iterator>
 #include <memory>
 #include <utility>
@@ -71,6 +72,7 @@ class Job {
   [[nodiscard]] Result<VideoFrame> warp(const VideoFrame& frame, const WarpMesh& mesh);
   [[nodiscard]] Result<void> finish();
   void measure_steadiness();
+  void add_to_session();
   void note(const VirtualCamera& camera, std::int64_t border_px);
   void warn(std::string warning);
 
@@ -256,12 +258,29 @@ Result<void> Job::finish() {
   if (path_log_) {
     if (auto finished = path_log_->finish(); !finished) return finished;
   }
-  if (request_.report.empty()) return {};
   report_.frames_in += source_->frames_without_stamp();
   report_.frames_dropped = report_.frames_in - report_.frames_out;
   report_.warper = warper_ ? warper_->name() : "none";
   report_.renderer = warper_ ? warper_->renderer() : "";
-  return write_report(report_, request_.report);
+  add_to_session();
+  return request_.report.empty() ? Result<void>{} : write_report(report_, request_.report);
+}
+
+/// `sessions show` lists what lies in the session's folder `stabilized`: a link to a video that was
+/// written elsewhere, and the report. A recording that cannot be written to stays as it is.
+void Job::add_to_session() {
+  const bool is_file = request_.out != "-" && request_.out.find(" ! ") == std::string::npos;
+  if (!is_file || session_.folder.empty()) return;
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const fs::path video = fs::absolute(request_.out, error);
+  const fs::path listed = fs::absolute(session_.folder, error) / "stabilized" / video.filename();
+  fs::create_directory(listed.parent_path(), error);
+  if (!fs::equivalent(video.parent_path(), listed.parent_path(), error)) {
+    if (fs::is_symlink(listed, error)) fs::remove(listed, error);
+    fs::create_symlink(video, listed, error);
+  }
+  if (!error) (void)write_report(report_, fs::path(listed).replace_extension(".json"));
 }
 
 void Job::warn(std::string warning) {
