@@ -115,7 +115,7 @@ void draw_triangle(const MeshTriangle& triangle, const SourcePlane& source, Bord
   triangle.for_each_span(output_size, [&](int y, int x_begin, int x_end) {
     const SourceWalk walk = walk_along(triangle, y, x_begin, x_end);
     const int pixels = x_end - x_begin;
-    std::uint8_t* out = output.data + y * output.stride_bytes + x_begin * kChannels;
+    std::uint8_t* out = output.data + y * output.stride_bytes + std::ptrdiff_t{x_begin} * kChannels;
     const bool inside = stays_inside(walk, pixels, source.size);
     (inside ? &sample_span<InsideOnly, kChannels> : past_edge)(source, walk, pixels, out);
   });

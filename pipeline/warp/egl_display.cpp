@@ -76,17 +76,14 @@ std::string egl_error_text(std::string_view operation) {
                       : fmt::format("{}: {}", operation, name);
 }
 
-void EglDisplay::CloseFile::operator()(const int* file) const {
-  close(*file);
-  delete file;
-}
-
-void EglDisplay::DestroyDevice::operator()(gbm_device* device) const {
+void EglDisplay::CloseDevice::operator()(gbm_device* device) const {
+  const int file = gbm_device_get_fd(device);
   gbm_device_destroy(device);
+  close(file);
 }
 
-EglDisplay::EglDisplay(EGLDisplay handle, File file, GbmDevice device)
-    : file_(std::move(file)), device_(std::move(device)), handle_(handle) {}
+EglDisplay::EglDisplay(EGLDisplay handle, GbmDevice device)
+    : device_(std::move(device)), handle_(handle) {}
 
 EglDisplay::~EglDisplay() {
   // The other platforms have one display in the whole process: to terminate it would take it from
@@ -95,46 +92,38 @@ EglDisplay::~EglDisplay() {
 }
 
 Result<std::unique_ptr<EglDisplay>> EglDisplay::on_render_node(const std::string& path) {
-  const int opened = open(path.c_str(), O_RDWR | O_CLOEXEC);
-  if (opened < 0) return failed(fmt::format("{}: {}", path, std::strerror(errno)));
-  File file(new int(opened));
-  GbmDevice device(gbm_create_device(opened));
-  if (!device) return failed(fmt::format("{}: GBM does not know this device", path));
+  const int file = open(path.c_str(), O_RDWR | O_CLOEXEC);
+  if (file < 0) return failed(fmt::format("{}: {}", path, std::strerror(errno)));
+  GbmDevice device(gbm_create_device(file));
+  if (!device) {
+    close(file);
+    return failed(fmt::format("{}: GBM does not know this device", path));
+  }
   EGLDisplay handle = platform_display(EGL_PLATFORM_GBM_KHR, "EGL_KHR_platform_gbm", device.get());
   if (handle == EGL_NO_DISPLAY) {
     handle = platform_display(EGL_PLATFORM_GBM_KHR, "EGL_MESA_platform_gbm", device.get());
   }
-  return initialize(handle, std::move(file), std::move(device)).map_error([&](Error error) {
-    error.message = fmt::format("{}: {}", path, error.message);
-    return error;
-  });
+  return initialize(path, handle, std::move(device));
 }
 
 Result<std::unique_ptr<EglDisplay>> EglDisplay::surfaceless() {
   const EGLDisplay handle =
       platform_display(EGL_PLATFORM_SURFACELESS_MESA, "EGL_MESA_platform_surfaceless",
                        reinterpret_cast<void*>(EGL_DEFAULT_DISPLAY));
-  return initialize(handle, nullptr, nullptr).map_error([](Error error) {
-    error.message = "surfaceless: " + error.message;
-    return error;
-  });
+  return initialize("surfaceless", handle, nullptr);
 }
 
 Result<std::unique_ptr<EglDisplay>> EglDisplay::by_default() {
-  return initialize(eglGetDisplay(EGL_DEFAULT_DISPLAY), nullptr, nullptr)
-      .map_error([](Error error) {
-        error.message = "default display: " + error.message;
-        return error;
-      });
+  return initialize("default display", eglGetDisplay(EGL_DEFAULT_DISPLAY), nullptr);
 }
 
-Result<std::unique_ptr<EglDisplay>> EglDisplay::initialize(EGLDisplay handle, File file,
-                                                           GbmDevice device) {
-  if (handle == EGL_NO_DISPLAY) return failed("not offered by this EGL");
+Result<std::unique_ptr<EglDisplay>> EglDisplay::initialize(std::string_view platform,
+                                                           EGLDisplay handle, GbmDevice device) {
+  if (handle == EGL_NO_DISPLAY) return failed(fmt::format("{}: not offered by this EGL", platform));
   if (eglInitialize(handle, nullptr, nullptr) != EGL_TRUE) {
-    return failed(egl_error_text("eglInitialize"));
+    return failed(fmt::format("{}: {}", platform, egl_error_text("eglInitialize")));
   }
-  return std::unique_ptr<EglDisplay>(new EglDisplay(handle, std::move(file), std::move(device)));
+  return std::unique_ptr<EglDisplay>(new EglDisplay(handle, std::move(device)));
 }
 
 bool EglDisplay::has_extension(std::string_view name) const {

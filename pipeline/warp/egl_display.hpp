@@ -39,21 +39,19 @@ class EglDisplay {
   [[nodiscard]] bool has_extension(std::string_view name) const;
 
  private:
-  struct CloseFile {
-    void operator()(const int* file) const;
-  };
-  struct DestroyDevice {
+  /// Closes the device's render node, too.
+  struct CloseDevice {
     void operator()(gbm_device* device) const;
   };
-  using File = std::unique_ptr<int, CloseFile>;
-  using GbmDevice = std::unique_ptr<gbm_device, DestroyDevice>;
+  using GbmDevice = std::unique_ptr<gbm_device, CloseDevice>;
 
-  EglDisplay(EGLDisplay handle, File file, GbmDevice device);
-  [[nodiscard]] static Result<std::unique_ptr<EglDisplay>> initialize(EGLDisplay handle, File file,
+  EglDisplay(EGLDisplay handle, GbmDevice device);
+  /// Errors begin with the platform's name.
+  [[nodiscard]] static Result<std::unique_ptr<EglDisplay>> initialize(std::string_view platform,
+                                                                      EGLDisplay handle,
                                                                       GbmDevice device);
 
-  File file_;  ///< of the render node; none on the other platforms
-  GbmDevice device_;
+  GbmDevice device_;  ///< none on the other platforms
   EGLDisplay handle_;
 };
 

@@ -59,8 +59,9 @@ void set_attribute(const GlProgram& program, const char* name, GLsizei stride_by
                    std::size_t offset_bytes) {
   const auto location = static_cast<GLuint>(glGetAttribLocation(program.name(), name));
   glEnableVertexAttribArray(location);
-  glVertexAttribPointer(location, 2, GL_FLOAT, GL_FALSE, stride_bytes,
-                        reinterpret_cast<const void*>(offset_bytes));
+  // NOLINTNEXTLINE(performance-no-int-to-ptr): offsets into a bound buffer go by as pointers
+  const auto* offset = reinterpret_cast<const void*>(offset_bytes);
+  glVertexAttribPointer(location, 2, GL_FLOAT, GL_FALSE, stride_bytes, offset);
 }
 
 void set_uniform(const GlProgram& program, const char* name, ImageSize size) {
