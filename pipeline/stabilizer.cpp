@@ -19,7 +19,7 @@ bool is_orthonormal(const Eigen::Matrix3d& R) {
 }  // namespace
 
 Result<Stabilizer> Stabilizer::create(const CameraCalibration& camera, const ImuCalibration& imu,
-                                      std::unique_ptr<Estimator> estimator,
+                                      std::unique_ptr<AttitudeStream> attitudes,
                                       std::unique_ptr<CameraPath> path,
                                       const StabilizerOptions& options) {
   auto lens = Lens::create(camera.lens);
@@ -27,11 +27,11 @@ Result<Stabilizer> Stabilizer::create(const CameraCalibration& camera, const Imu
   if (!is_orthonormal(imu.R_camera_imu)) {
     return bad_input("R_camera_imu: not a rotation (rows must be orthonormal, determinant +1)");
   }
-  return Stabilizer(camera, imu, std::move(*lens), std::move(estimator), std::move(path), options);
+  return Stabilizer(camera, imu, std::move(*lens), std::move(attitudes), std::move(path), options);
 }
 
 Stabilizer::Stabilizer(const CameraCalibration& camera, const ImuCalibration& imu, Lens lens,
-                       std::unique_ptr<Estimator> estimator, std::unique_ptr<CameraPath> path,
+                       std::unique_ptr<AttitudeStream> attitudes, std::unique_ptr<CameraPath> path,
                        const StabilizerOptions& options)
     : camera_(camera),
       q_imu_camera_(Eigen::Quaterniond(imu.R_camera_imu).normalized().conjugate()),
@@ -39,14 +39,14 @@ Stabilizer::Stabilizer(const CameraCalibration& camera, const ImuCalibration& im
       timing_(camera),
       options_(options),
       reference_line_(options.reference_line.value_or((timing_.line_count() - 1) / 2.0)),
-      estimator_(std::move(estimator)),
+      attitudes_(std::move(attitudes)),
       history_(kMaxGap),
       path_(std::move(path)),
       limiter_(options.zoom, options.latency) {}
 
 void Stabilizer::push(const ImuSample& sample) {
-  history_.append(estimator_->update(sample));
-  place_waiting_stamps();
+  attitudes_->push(sample);
+  take_attitudes();
 }
 
 void Stabilizer::push(const FrameStamp& stamp) {
@@ -54,7 +54,14 @@ void Stabilizer::push(const FrameStamp& stamp) {
   place_waiting_stamps();
 }
 
+void Stabilizer::take_attitudes() {
+  while (const auto attitude = attitudes_->pop()) history_.append(*attitude);
+  place_waiting_stamps();
+}
+
 void Stabilizer::finish() {
+  attitudes_->finish();
+  take_attitudes();
   if (history_.empty()) return;
   while (!waiting_.empty()) place_next();
   path_->finish();

@@ -6,7 +6,6 @@
 #include <optional>
 #include <vector>
 
-#include "pipeline/estimator/estimator.hpp"
 #include "pipeline/lens/lens.hpp"
 #include "pipeline/path/camera_path.hpp"
 #include "pipeline/path/view_limiter.hpp"
@@ -14,6 +13,7 @@
 #include "pipeline/sample/result.hpp"
 #include "pipeline/sample/virtual_camera.hpp"
 #include "pipeline/smoother/attitude_history.hpp"
+#include "pipeline/smoother/attitude_stream.hpp"
 #include "pipeline/timing/row_timing.hpp"
 #include "pipeline/warp/frame_outline.hpp"
 #include "pipeline/warp/warp_mesh.hpp"
@@ -31,7 +31,7 @@ struct StabilizerOptions {
 
 /// From samples and frame stamps to the mesh of each frame:
 ///
-///   samples -> estimator -> history -> pose of the reference line -> path -> limiter -> mesh
+///   samples -> attitudes -> history -> pose of the reference line -> path -> limiter -> mesh
 ///
 /// Owns no thread and reads no clock. Samples and stamps go in, each in order of time; a stamp's
 /// camera comes out once the path has seen what it waits for.
@@ -39,11 +39,11 @@ class Stabilizer {
  public:
   [[nodiscard]] static Result<Stabilizer> create(const CameraCalibration& camera,
                                                  const ImuCalibration& imu,
-                                                 std::unique_ptr<Estimator> estimator,
+                                                 std::unique_ptr<AttitudeStream> attitudes,
                                                  std::unique_ptr<CameraPath> path,
                                                  const StabilizerOptions& options);
 
-  /// Stamps rise strictly; the estimator's answer goes into the history.
+  /// Stamps rise strictly; the orientations that they give go into the history.
   void push(const ImuSample& sample);
 
   /// Waits inside until the history reaches the end of the frame's readout.
@@ -65,11 +65,14 @@ class Stabilizer {
   /// last.
   [[nodiscard]] AttitudeOrigin origin_of(const FrameStamp& stamp) const;
 
+  /// See AttitudeStream.
+  [[nodiscard]] std::string_view suspicion() const { return attitudes_->suspicion(); }
+
   [[nodiscard]] const AttitudeHistory& history() const { return history_; }
 
  private:
   Stabilizer(const CameraCalibration& camera, const ImuCalibration& imu, Lens lens,
-             std::unique_ptr<Estimator> estimator, std::unique_ptr<CameraPath> path,
+             std::unique_ptr<AttitudeStream> attitudes, std::unique_ptr<CameraPath> path,
              const StabilizerOptions& options);
 
   [[nodiscard]] Eigen::Quaterniond q_world_camera(SensorTime time) const;
@@ -77,6 +80,7 @@ class Stabilizer {
   [[nodiscard]] SensorTime readout_end(const FrameStamp& stamp) const;
   [[nodiscard]] PinholeIntrinsics unzoomed() const;
   [[nodiscard]] RequiredZoom required_zoom_of(const FrameStamp& stamp) const;
+  void take_attitudes();
   void place_waiting_stamps();
   void place_next();
   void follow_path();
@@ -88,7 +92,7 @@ class Stabilizer {
   StabilizerOptions options_;
   double reference_line_;
 
-  std::unique_ptr<Estimator> estimator_;
+  std::unique_ptr<AttitudeStream> attitudes_;
   AttitudeHistory history_;
   std::deque<FrameStamp> waiting_;  ///< for the history to reach them
   std::unique_ptr<CameraPath> path_;

@@ -9,12 +9,20 @@
 
 namespace gimbal {
 
-std::unique_ptr<Estimator> make_estimator(EstimatorKind kind) {
-  switch (kind) {
-    case EstimatorKind::thesis:
-      return std::make_unique<ThesisEkf>();
+const std::map<std::string, EstimatorKind>& estimator_names() {
+  static const std::map<std::string, EstimatorKind> names = {{"ekf", EstimatorKind::ekf},
+                                                             {"thesis", EstimatorKind::thesis}};
+  return names;
+}
+
+std::unique_ptr<AttitudeStream> make_attitudes(EstimatorKind kind, const Lookahead& lookahead) {
+  if (kind == EstimatorKind::thesis) return make_causal_stream(std::make_unique<ThesisEkf>());
+  if (lookahead.lag && *lookahead.lag <= SensorDuration::zero()) {
+    return make_causal_stream(AttitudeEkfParameters{});
   }
-  return nullptr;
+  FixedLagSmootherParameters parameters;
+  parameters.lag = lookahead.lag;
+  return make_smoothed_stream(parameters);
 }
 
 Result<void> replay_samples(const Session& session,

@@ -3,6 +3,7 @@
 #include <fstream>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "daemon/gimbalctl/commands.hpp"
@@ -17,22 +18,47 @@ namespace {
 struct Arguments {
   std::filesystem::path session;
   std::string out;
-  EstimatorKind estimator = EstimatorKind::thesis;
+  EstimatorKind estimator = EstimatorKind::ekf;
+  bool causal = false;
+  std::optional<double> lag_s;
 };
 
-Result<void> write_orientations(const Session& session, Estimator& estimator, std::ostream& stream,
-                                const std::string& name) {
+constexpr double kLongestLag_s = 86400;
+
+Result<Lookahead> lookahead_of(const Arguments& arguments) {
+  if (arguments.causal) return Lookahead::nothing();
+  if (!arguments.lag_s) return Lookahead::everything();
+  if (!(*arguments.lag_s >= 0 && *arguments.lag_s <= kLongestLag_s)) {
+    return bad_input("--lag: expected seconds, from 0 to a day");
+  }
+  return Lookahead{duration_from_seconds(*arguments.lag_s)};
+}
+
+void write_ready(AttitudeStream& attitudes, std::ostream& stream) {
+  while (const auto attitude = attitudes.pop()) {
+    const Eigen::Quaterniond& q = attitude->q_world_imu;
+    stream << fmt::format("{},{:.9f},{:.9f},{:.9f},{:.9f}\n",
+                          format_seconds(attitude->time.time_since_epoch()), q.w(), q.x(), q.y(),
+                          q.z());
+  }
+}
+
+Result<void> write_orientations(const Session& session, AttitudeStream& attitudes,
+                                std::ostream& stream, const std::string& name) {
   stream << "t_s,qw,qx,qy,qz\n";
   const auto replayed = replay_samples(session, [&](const ImuSample& sample) {
-    const Attitude attitude = estimator.update(sample);
-    const Eigen::Quaterniond& q = attitude.q_world_imu;
-    stream << fmt::format("{},{:.9f},{:.9f},{:.9f},{:.9f}\n",
-                          format_seconds(attitude.time.time_since_epoch()), q.w(), q.x(), q.y(),
-                          q.z());
+    attitudes.push(sample);
+    write_ready(attitudes, stream);
   });
   if (!replayed) return replayed;
+  attitudes.finish();
+  write_ready(attitudes, stream);
   stream.flush();
   if (!stream) return failed(name + ": the orientations could not be written");
+  if (!attitudes.suspicion().empty()) {
+    const std::string warning(attitudes.suspicion());
+    print_warnings({&warning, 1});
+  }
   return {};
 }
 
@@ -43,13 +69,15 @@ Result<void> run(const Arguments& arguments) {
   if (session->gyro.empty()) {
     return bad_input(arguments.session.string() + ": no gyro samples, so no orientation");
   }
-  const auto estimator = make_estimator(arguments.estimator);
+  const auto lookahead = lookahead_of(arguments);
+  if (!lookahead) return tl::unexpected(lookahead.error());
+  const auto attitudes = make_attitudes(arguments.estimator, *lookahead);
   if (arguments.out == "-") {
-    return write_orientations(*session, *estimator, std::cout, "standard output");
+    return write_orientations(*session, *attitudes, std::cout, "standard output");
   }
   std::ofstream file(arguments.out);
   if (!file) return bad_input(arguments.out + ": cannot be written (does the folder exist?)");
-  return write_orientations(*session, *estimator, file, arguments.out);
+  return write_orientations(*session, *attitudes, file, arguments.out);
 }
 
 }  // namespace
@@ -64,12 +92,14 @@ void add_orient_command(CLI::App& app, CommandOutcome& outcome) {
       ->add_option("-o,--output", arguments->out,
                    "FILE.csv or - with t_s,qw,qx,qy,qz: q_world_imu, world z up")
       ->required();
-  command->add_flag_callback(
-      "--causal", [] {}, "Use the past only, which is all that the thesis' filter ever uses");
+  CLI::Option* causal =
+      command->add_flag("--causal", arguments->causal,
+                        "Use the past only, as a live camera has to [the whole recording]");
+  command->add_option("--lag", arguments->lag_s, "Use so many seconds of future at most")
+      ->excludes(causal);
   command->add_option("--estimator", arguments->estimator, "How orientation is estimated")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, EstimatorKind>{{"thesis", EstimatorKind::thesis}}))
-      ->option_text("thesis [thesis]");
+      ->transform(CLI::CheckedTransformer(estimator_names()))
+      ->option_text("ekf|thesis [ekf]");
   command->callback([arguments, &outcome] { outcome = run(*arguments); });
 }
 

@@ -180,14 +180,15 @@ void print_log(std::string_view name, const std::vector<Sample>& samples) {
 void print_camera(const Session& session) {
   const auto& camera = session.camera ? session.camera : session.camera_without_lens;
   if (!camera) return print_field("camera", "not described");
-  print_field("camera",
-              fmt::format("{}x{} at {:.2f} fps, readout {:.2f} ms, time offset {:.2f} ms",
-                          camera->size.width, camera->size.height, camera->fps,
-                          to_seconds(camera->readout) * 1e3, to_seconds(camera->time_offset) * 1e3));
+  print_field("camera", fmt::format("{}x{} at {:.2f} fps, readout {:.2f} ms, time offset {:.2f} ms",
+                                    camera->size.width, camera->size.height, camera->fps,
+                                    to_seconds(camera->readout) * 1e3,
+                                    to_seconds(camera->time_offset) * 1e3));
   if (!session.camera) return print_field("lens", "not calibrated");
   const Eigen::Matrix3d& K = camera->lens.K;
-  print_field("lens", fmt::format("{}, fx {:.1f} fy {:.1f} cx {:.1f} cy {:.1f}",
-                                  model_name(camera->lens.model), K(0, 0), K(1, 1), K(0, 2), K(1, 2)));
+  print_field("lens",
+              fmt::format("{}, fx {:.1f} fy {:.1f} cx {:.1f} cy {:.1f}",
+                          model_name(camera->lens.model), K(0, 0), K(1, 1), K(0, 2), K(1, 2)));
 }
 
 void print_versions(const Session& session) {
@@ -231,9 +232,8 @@ void print_line(const std::filesystem::path& folder) {
     return;
   }
   fmt::print("{}  {}  {:.1f} s  {} frames  {}  {} stabilized  {} warnings\n", folder.string(),
-             session->recorded_at.empty() ? "undated" : session->recorded_at,
-             duration_s(*session), session->frames.size(),
-             session->device.empty() ? "unknown device" : session->device,
+             session->recorded_at.empty() ? "undated" : session->recorded_at, duration_s(*session),
+             session->frames.size(), session->device.empty() ? "unknown device" : session->device,
              stabilized_versions(*session).size(), session->warnings.size());
 }
 
@@ -302,10 +302,11 @@ void add_import(CLI::App& sessions, CommandOutcome& outcome) {
   import->add_option("INPUT", *input, fmt::format("{}", fmt::join(kinds, "; or ")))->required();
   import->add_option("-o,--output", *folder, "New session folder")->required();
   import->callback(
-      [input, folder, &outcome] { outcome = import_recording(*input, *folder); });
-}
-
+      [input, folder, &outcome] { outcome = import_recording(*input, *folder);
+});
 }  // namespace
+
+}  // namespace gimbal
 
 void add_sessions_command(CLI::App& app, CommandOutcome& outcome) {
   CLI::App* const sessions = app.add_subcommand("sessions", "List, show and import recordings");

@@ -65,8 +65,6 @@ void add_options(CLI::App& command, Arguments& arguments) {
                                                         {"black", Border::black}};
   static const std::map<std::string, PathKind> paths = {{"hann", PathKind::hann},
                                                         {"adaptive-hann", PathKind::adaptive_hann}};
-  static const std::map<std::string, EstimatorKind> estimators = {
-      {"thesis", EstimatorKind::thesis}};
   StabilizeRequest& request = arguments.request;
   command
       .add_option("session", request.session, "Session folder, or a video with a .gcsv beside it")
@@ -91,8 +89,8 @@ void add_options(CLI::App& command, Arguments& arguments) {
       ->check(CLI::IsMember({"gles", "cpu"}))
       ->option_text("gles|cpu");
   command.add_option("--estimator", request.estimator, "How orientation is estimated")
-      ->transform(CLI::CheckedTransformer(estimators))
-      ->option_text("thesis [thesis]");
+      ->transform(CLI::CheckedTransformer(estimator_names()))
+      ->option_text("ekf|thesis [ekf]");
   command.add_option("--path", request.path, "How the camera's path is smoothed")
       ->transform(CLI::CheckedTransformer(paths))
       ->option_text("hann|adaptive-hann [adaptive-hann]");

@@ -46,6 +46,11 @@ ZoomChoice zoom_choice(const StabilizeRequest& request) {
   return request.border == Border::crop ? ZoomChoice{1, kAutoZoomMost} : ZoomChoice{1, 1};
 }
 
+/// What the path waits for is all that a limited latency allows.
+Lookahead lookahead(const StabilizeRequest& request) {
+  return request.latency ? Lookahead::nothing() : Lookahead::everything();
+}
+
 std::unique_ptr<CameraPath> make_path(const StabilizeRequest& request, double fps) {
   if (request.correction == Correction::rectify_only) return make_hann_path(1, request.latency);
   if (request.path == PathKind::hann) {
@@ -93,7 +98,7 @@ Result<void> Job::run() {
   report_.output = request_.out;
   report_.amount = request_.correction == Correction::rectify_only ? 0 : request_.amount;
   report_.border = to_string(request_.border);
-  report_.estimator = "thesis";
+  report_.estimator = request_.estimator == EstimatorKind::ekf ? "ekf" : "thesis";
   report_.path = request_.path == PathKind::hann ? "hann" : "adaptive-hann";
   report_.latency_frames = request_.latency;
   if (request_.latency && session_.camera) {
@@ -119,9 +124,9 @@ Result<void> Job::plan() {
   options.zoom = zoom_choice(request_);
   options.latency = request_.latency;
   options.reference_line = request_.reference_row;
-  auto stabilizer =
-      Stabilizer::create(*session_.camera, session_.imu, make_estimator(request_.estimator),
-                         make_path(request_, session_.camera->fps), options);
+  auto stabilizer = Stabilizer::create(*session_.camera, session_.imu,
+                                       make_attitudes(request_.estimator, lookahead(request_)),
+                                       make_path(request_, session_.camera->fps), options);
   if (!stabilizer) return tl::unexpected(stabilizer.error());
   stabilizer_.emplace(std::move(*stabilizer));
 
@@ -134,6 +139,7 @@ Result<void> Job::plan() {
     stabilizer_->finish();
     while (const auto camera = stabilizer_->next_camera()) cameras_.push_back(*camera);
   });
+  if (!stabilizer_->suspicion().empty()) warn(std::string(stabilizer_->suspicion()));
   measure_steadiness();
   return {};
 }

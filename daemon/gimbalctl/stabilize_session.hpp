@@ -26,7 +26,7 @@ struct StabilizeRequest {
   std::optional<double> zoom;  ///< none: as little as is needed
   Border border = Border::crop;
   std::optional<WarperKind> warper;  ///< none: GLES, else the CPU
-  EstimatorKind estimator = EstimatorKind::thesis;
+  EstimatorKind estimator = EstimatorKind::ekf;
   PathKind path = PathKind::adaptive_hann;
   Correction correction = Correction::rectify_and_stabilize;
   std::optional<double> reference_row;  ///< none: the middle

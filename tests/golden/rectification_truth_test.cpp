@@ -107,8 +107,9 @@ Errors Rectification::run(std::unique_ptr<Estimator> estimator,
                           const std::vector<ImuSample>& samples) const {
   StabilizerOptions options;
   options.zoom = {1.1, 1.1};
-  auto stabilizer = Stabilizer::create(camera_, test::phone_axes(), std::move(estimator),
-                                       make_adaptive_hann_path({}, std::nullopt), options);
+  auto stabilizer =
+      Stabilizer::create(camera_, test::phone_axes(), make_causal_stream(std::move(estimator)),
+                         make_adaptive_hann_path({}, std::nullopt), options);
   if (!stabilizer) throw std::runtime_error(stabilizer.error().message);
   for (const ImuSample& sample : samples) stabilizer->push(sample);
   const int frames = static_cast<int>((GetParam().duration_s - 0.1) * camera_.fps);

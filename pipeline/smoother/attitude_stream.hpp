@@ -1,0 +1,46 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string_view>
+
+#include "pipeline/estimator/estimator.hpp"
+#include "pipeline/sample/attitude.hpp"
+#include "pipeline/sample/imu_sample.hpp"
+#include "pipeline/smoother/fixed_lag_smoother.hpp"
+
+namespace gimbal {
+
+/// Samples in, orientations out, in order of time, at once or some time later.
+class AttitudeStream {
+ public:
+  AttitudeStream() = default;
+  AttitudeStream(const AttitudeStream&) = delete;
+  AttitudeStream& operator=(const AttitudeStream&) = delete;
+  virtual ~AttitudeStream() = default;
+
+  /// Stamps rise strictly.
+  virtual void push(const ImuSample& sample) = 0;
+
+  /// No more samples come: what is held is released by `pop`.
+  virtual void finish() = 0;
+
+  [[nodiscard]] virtual std::optional<Attitude> pop() = 0;
+
+  /// One line for a person about samples that cannot be what they claim; empty if nothing is odd.
+  [[nodiscard]] virtual std::string_view suspicion() const = 0;
+};
+
+/// Each sample's answer at once, from the past alone.
+[[nodiscard]] std::unique_ptr<AttitudeStream> make_causal_stream(
+    std::unique_ptr<Estimator> estimator);
+
+/// The attitude EKF, its answers at once.
+[[nodiscard]] std::unique_ptr<AttitudeStream> make_causal_stream(
+    const AttitudeEkfParameters& parameters);
+
+/// The attitude EKF, looking back once the smoother's lag has passed.
+[[nodiscard]] std::unique_ptr<AttitudeStream> make_smoothed_stream(
+    const FixedLagSmootherParameters& parameters);
+
+}  // namespace gimbal
