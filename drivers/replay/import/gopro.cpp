@@ -98,12 +98,18 @@ Result<Telemetry> read_telemetry(const std::filesystem::path& path, const Mp4Tra
   return telemetry;
 }
 
+/// Of the frame after the last: the end.
+SensorDuration time_of_frame(const Mp4Track& video, std::size_t frame) {
+  if (frame < video.samples.size()) return video.samples[frame].time;
+  return video.samples.back().time + video.samples.back().duration;
+}
+
 /// When each block's first sample was taken, since the first frame. The camera's own stamps say it
 /// best, the first frame's exposure having one too; then the number of frames that went into the
 /// payloads so far, because a payload's time in the track can be 0.1 s off; then that time.
 std::vector<SensorDuration> block_starts(const std::vector<StreamBlock>& blocks,
                                          const std::vector<StreamBlock>& exposure,
-                                         SensorDuration frame_step) {
+                                         const Mp4Track& video) {
   std::vector<SensorDuration> starts;
   const bool has_stamps =
       !exposure.empty() && exposure.front().stream.stamp &&
@@ -114,7 +120,7 @@ std::vector<SensorDuration> block_starts(const std::vector<StreamBlock>& blocks,
     if (has_stamps) {
       starts.push_back(*blocks[i].stream.stamp - *exposure.front().stream.stamp);
     } else if (exposure.size() == blocks.size()) {
-      starts.push_back(frame_step * static_cast<std::int64_t>(frames_before));
+      starts.push_back(time_of_frame(video, frames_before));
       frames_before += exposure[i].stream.sample_count();
     } else {
       starts.push_back(blocks[i].payload_start);
@@ -170,14 +176,14 @@ Result<Eigen::Matrix3d> axes_from_columns(const std::string& orientation) {
 }
 
 Result<std::vector<TimedVector>> vectors_of(const std::vector<StreamBlock>& blocks,
-                                            const Telemetry& telemetry, SensorDuration frame_step) {
+                                            const Telemetry& telemetry, const Mp4Track& video) {
   if (blocks.empty()) return std::vector<TimedVector>();
   const std::string& stored = blocks.front().stream.orientation_in;
   const Result<Eigen::Matrix3d> M =
       axes_from_columns(stored.empty() ? default_orientation(telemetry.device) : stored);
   if (!M) return tl::unexpected(M.error());
   std::vector<TimedVector> vectors =
-      spread(blocks, block_starts(blocks, telemetry.exposure, frame_step));
+      spread(blocks, block_starts(blocks, telemetry.exposure, video));
   for (TimedVector& vector : vectors) vector.value = *M * vector.value;
   return vectors;
 }
@@ -198,16 +204,12 @@ std::vector<FrameStamp> frames_of(const Mp4Track& video, const Telemetry& teleme
   return frames;
 }
 
-SensorDuration frame_step_of(const Mp4Track& video) {
-  const Mp4Sample& last = video.samples.back();
-  return (last.time + last.duration) / std::ssize(video.samples);
-}
-
 CameraCalibration camera_of(const Mp4Track& video, const Telemetry& telemetry) {
   constexpr double kLongestReadout_ms = 1000;
   CameraCalibration camera;
   camera.size = video.size;
-  camera.fps = 1.0 / to_seconds(frame_step_of(video));
+  const double duration_s = to_seconds(time_of_frame(video, video.samples.size()));
+  if (duration_s > 0) camera.fps = static_cast<double>(video.samples.size()) / duration_s;
   if (telemetry.readout.empty() || telemetry.readout.front().stream.values.empty()) return camera;
   std::vector<double> readouts_ms = telemetry.readout.front().stream.values;
   std::sort(readouts_ms.begin(), readouts_ms.end());
@@ -238,9 +240,8 @@ Result<Session> read_gopro(const std::filesystem::path& input) {
   }
   const Result<Telemetry> telemetry = read_telemetry(input, *metadata);
   if (!telemetry) return tl::unexpected(telemetry.error());
-  const SensorDuration frame_step = frame_step_of(*video);
-  const auto gyro = vectors_of(telemetry->gyro, *telemetry, frame_step);
-  const auto accel = vectors_of(telemetry->accel, *telemetry, frame_step);
+  const auto gyro = vectors_of(telemetry->gyro, *telemetry, *video);
+  const auto accel = vectors_of(telemetry->accel, *telemetry, *video);
   if (!gyro || !accel) {
     return bad_input(fmt::format("{}: {}", input.string(), (gyro ? accel : gyro).error().message));
   }
