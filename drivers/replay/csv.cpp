@@ -75,8 +75,8 @@ Result<CsvReader> CsvReader::open_headerless(const std::filesystem::path& path,
   if (!file) return tl::unexpected(file.error());
   CsvReader reader(path, std::move(*file), {}, separator);
   for (const PlacedColumn& column : columns) {
-    auto& names = column.presence == Presence::required ? reader.columns_.required
-                                                        : reader.columns_.optional;
+    auto& names =
+        column.presence == Presence::required ? reader.columns_.required : reader.columns_.optional;
     names.push_back(column.name);
     reader.positions_.emplace_back(column.place);
   }

@@ -14,8 +14,8 @@
 
 namespace gimbal {
 
-/// A decimal number, all of `text`; "nan" and "inf" are numbers here, and so are infinite those that
-/// a double cannot hold.
+/// A decimal number, all of `text`; "nan" and "inf" are numbers here, and so are infinite those
+/// that a double cannot hold.
 [[nodiscard]] std::optional<double> parse_number(std::string_view text);
 
 /// One line of numbers. Fields are in the order in which the columns were asked for, an optional
@@ -45,7 +45,8 @@ class CsvReader {
     Presence presence = Presence::required;
   };
 
-  /// For logs without a header; optional columns come last. A space as separator stands for any run of spaces and tabs.
+  /// For logs without a header; optional columns come last. A space as separator stands for any run
+  /// of spaces and tabs.
   [[nodiscard]] static Result<CsvReader> open_headerless(const std::filesystem::path& path,
                                                          const std::vector<PlacedColumn>& columns,
                                                          char separator);

@@ -57,9 +57,10 @@ Result<Eigen::Matrix3d> read_orientation(const std::filesystem::path& path, cons
     if (place != std::string_view::npos) M(row, static_cast<int>(place % 3)) = place < 3 ? 1 : -1;
   }
   if (M.cwiseAbs().rowwise().sum().isOnes() && M.cwiseAbs().colwise().sum().isOnes()) return M;
-  return bad_input(fmt::format("{}: orientation is {}; each of X, Y and Z is expected once, small "
-                               "letters for the opposite direction",
-                               path.string(), in_quotes(letters)));
+  return bad_input(
+      fmt::format("{}: orientation is {}; each of X, Y and Z is expected once, small "
+                  "letters for the opposite direction",
+                  path.string(), in_quotes(letters)));
 }
 
 Result<Scales> read_scales(const std::filesystem::path& path, const Header& header) {
@@ -179,9 +180,9 @@ Result<Header> read_header(CsvReader& reader) {
 std::vector<FrameStamp> frames_of(const VideoInfo& video) {
   std::vector<FrameStamp> frames;
   for (std::int64_t i = 0; i < video.frame_count; ++i) {
-    const SensorDuration time =
-        video.frame_times.empty() ? duration_from_seconds(static_cast<double>(i) / video.fps)
-                                  : video.frame_times[static_cast<std::size_t>(i)];
+    const SensorDuration time = video.frame_times.empty()
+                                    ? duration_from_seconds(static_cast<double>(i) / video.fps)
+                                    : video.frame_times[static_cast<std::size_t>(i)];
     frames.push_back({i, SensorTime(time), std::nullopt});
   }
   return frames;
@@ -276,10 +277,11 @@ Result<std::pair<Session, SessionLogs>> read_gyroflow_recording(const std::files
       fmt::format("{}: frame times are the video's own ({:.2f} fps), and the log is taken to begin "
                   "with it: gimbalctl sync finds the offset",
                   video.filename().string(), info->fps));
-  session.notes = {"From a video with a Gyroflow log. Frame times are the video's own.",
-                   "IMU axes are Gyroflow's: x up, y left, z back.",
-                   "time_offset_s moves Gyroflow's frame times, in the middle of the readout, to its "
-                   "start; the true offset is not known (gimbalctl sync)."};
+  session.notes = {
+      "From a video with a Gyroflow log. Frame times are the video's own.",
+      "IMU axes are Gyroflow's: x up, y left, z back.",
+      "time_offset_s moves Gyroflow's frame times, in the middle of the readout, to its "
+      "start; the true offset is not known (gimbalctl sync)."};
   SessionLogs logs;
   logs.frames.file = video;
   logs.frames.samples = frames_of(*info);

@@ -17,8 +17,8 @@ struct GyroflowLog {
   AccelLog accel;  ///< as above
 };
 
-/// Gyroflow's axes, once the header's orientation was applied: with the lens level, x up, y left and
-/// z back. Source: Gyroflow's documentation, "orientation".
+/// Gyroflow's axes, once the header's orientation was applied: with the lens level, x up, y left
+/// and z back. Source: Gyroflow's documentation, "orientation".
 [[nodiscard]] Eigen::Matrix3d R_camera_gyroflow();
 
 /// Source: docs.gyroflow.xyz, "GCSV format". Rows with values that are not finite are left out and

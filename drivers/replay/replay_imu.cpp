@@ -2,7 +2,9 @@
 
 namespace gimbal {
 
-ReplayImu::ReplayImu(const Session& session) : gyro_(session.gyro), accel_(session.accel) { stop(); }
+ReplayImu::ReplayImu(const Session& session) : gyro_(session.gyro), accel_(session.accel) {
+  stop();
+}
 
 Result<void> ReplayImu::start() {
   next_gyro_ = 0;

@@ -32,7 +32,8 @@ struct Session {
   std::vector<AccelSample> accel;
   /// What was odd and how it was handled, a line each: gaps, steps back, late starts.
   std::vector<std::string> warnings;
-  /// Where the numbers come from: comments for the head of a session.toml to be written, a line each.
+  /// Where the numbers come from: comments for the head of a session.toml to be written, a line
+  /// each.
   std::vector<std::string> notes;
 };
 

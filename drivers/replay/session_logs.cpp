@@ -154,8 +154,8 @@ void check_accel_unit(const std::string& file, Session& session) {
 
 void check_gyro_unit(const std::string& file, Session& session) {
   constexpr double kFastest_rad_s = 100;  // chips end at 4000 deg/s = 70 rad/s
-  const bool too_fast = std::any_of(
-      session.gyro.begin(), session.gyro.end(), [](const GyroSample& sample) {
+  const bool too_fast =
+      std::any_of(session.gyro.begin(), session.gyro.end(), [](const GyroSample& sample) {
         return sample.gyro_rad_s.cwiseAbs().maxCoeff() > kFastest_rad_s;
       });
   if (!too_fast) return;
@@ -219,8 +219,7 @@ Result<SessionLogs> read_session_logs(const std::filesystem::path& folder,
                                       std::vector<std::string>& warnings) {
   Result<GyroLog> gyro = read_gyro(folder / "gyro.csv", warnings);
   if (!gyro) return tl::unexpected(gyro.error());
-  Result<AccelLog> accel =
-      read_accel(folder / "accel.csv", accel_to_specific_force_m_s2, warnings);
+  Result<AccelLog> accel = read_accel(folder / "accel.csv", accel_to_specific_force_m_s2, warnings);
   if (!accel) return tl::unexpected(accel.error());
   Result<FrameLog> frames = read_frames(folder / "frames.csv", warnings);
   if (!frames) return tl::unexpected(frames.error());

@@ -16,8 +16,8 @@ struct SessionLogs {
   FrameLog frames;
 };
 
-/// Reads gyro.csv, accel.csv and frames.csv of a folder, as far as they are there. Refuses a gyro.csv
-/// or frames.csv without samples; an accel.csv without samples is as good as none.
+/// Reads gyro.csv, accel.csv and frames.csv of a folder, as far as they are there. Refuses a
+/// gyro.csv or frames.csv without samples; an accel.csv without samples is as good as none.
 [[nodiscard]] Result<SessionLogs> read_session_logs(const std::filesystem::path& folder,
                                                     double accel_to_specific_force_m_s2,
                                                     std::vector<std::string>& warnings);

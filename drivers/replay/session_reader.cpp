@@ -23,17 +23,19 @@ Result<void> check_video_has_times(Session& session) {
     session.warnings.emplace_back("no video.mkv, video.mp4 or video.mov: there is nothing to draw");
   }
   if (session.video.empty() || !session.frames.empty()) return {};
-  return bad_input(fmt::format("{}: no such file; a video's own stamps are not trusted, so there "
-                               "must be a line index,t_s for each picture",
-                               (session.folder / "frames.csv").string()));
+  return bad_input(
+      fmt::format("{}: no such file; a video's own stamps are not trusted, so there "
+                  "must be a line index,t_s for each picture",
+                  (session.folder / "frames.csv").string()));
 }
 
 Result<Session> open_session_folder(const std::filesystem::path& folder) {
   const std::filesystem::path toml = folder / "session.toml";
   if (!is_there(toml)) {
-    return bad_input(fmt::format("{}: no session.toml in it; if it is a recording of another kind, "
-                                 "gimbalctl sessions import {} -o SESSION",
-                                 folder.string(), folder.string()));
+    return bad_input(
+        fmt::format("{}: no session.toml in it; if it is a recording of another kind, "
+                    "gimbalctl sessions import {} -o SESSION",
+                    folder.string(), folder.string()));
   }
   Result<SessionToml> description = read_session_toml(toml);
   if (!description) return tl::unexpected(description.error());
@@ -41,8 +43,8 @@ Result<Session> open_session_folder(const std::filesystem::path& folder) {
   session.folder = folder;
   session.warnings = std::move(description->warnings);
   session.video = find_session_video(folder, session.warnings);
-  Result<SessionLogs> logs = read_session_logs(folder, description->accel_to_specific_force_m_s2,
-                                               session.warnings);
+  Result<SessionLogs> logs =
+      read_session_logs(folder, description->accel_to_specific_force_m_s2, session.warnings);
   if (!logs) return tl::unexpected(logs.error());
   if (Result<void> adopted = adopt_logs(std::move(*logs), session); !adopted) {
     return tl::unexpected(adopted.error());

@@ -55,7 +55,8 @@ std::optional<SensorDuration> read_duration(TomlTable& table, std::string_view k
   const std::optional<double> seconds = table.number(key);
   if (!seconds) return std::nullopt;
   if (*seconds < least_s || *seconds > most_s) {
-    table.refuse(key, fmt::format("is {}; {} to {} seconds are allowed", *seconds, least_s, most_s));
+    table.refuse(key,
+                 fmt::format("is {}; {} to {} seconds are allowed", *seconds, least_s, most_s));
     return std::nullopt;
   }
   return duration_from_seconds(*seconds);
@@ -70,7 +71,8 @@ CameraCalibration read_camera_without_K(TomlTable& table) {
   if (camera.fps < 0 || camera.fps > 1e5) table.refuse("fps", "must be between 0 and 100000");
   camera.lens.model = table.choice<LensModel>("model", kLensModels).value_or(LensModel::pinhole);
   camera.lens.distortion = table.numbers("distortion").value_or(std::vector<double>{});
-  camera.readout = read_duration(table, "readout_s", 0, kLongestReadout_s).value_or(SensorDuration{});
+  camera.readout =
+      read_duration(table, "readout_s", 0, kLongestReadout_s).value_or(SensorDuration{});
   camera.readout_direction = table.choice<ReadoutDirection>("readout_direction", kDirections)
                                  .value_or(ReadoutDirection::top_down);
   camera.time_offset = read_duration(table, "time_offset_s", -kLongestOffset_s, kLongestOffset_s)
@@ -121,9 +123,10 @@ std::optional<Eigen::Matrix3d> read_rotation(TomlTable& table, std::string_view 
   if (!R) return std::nullopt;
   const double error = (R->transpose() * *R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
   if (error > kRounding || R->determinant() < 0) {
-    table.refuse(key, R->determinant() < 0 ? "is a mirror, not a rotation: its determinant is below 0"
-                                           : "is not a rotation: its rows are not unit vectors at "
-                                             "right angles to each other");
+    table.refuse(key, R->determinant() < 0
+                          ? "is a mirror, not a rotation: its determinant is below 0"
+                          : "is not a rotation: its rows are not unit vectors at "
+                            "right angles to each other");
     return std::nullopt;
   }
   return error < kExact ? *R : Eigen::Quaterniond(*R).normalized().toRotationMatrix();
@@ -187,8 +190,9 @@ std::string format_duration(SensorDuration duration) {
 std::string format_lens(const LensParameters& lens) {
   std::vector<std::string> distortion;
   for (const double coefficient : lens.distortion) distortion.push_back(format_float(coefficient));
-  return fmt::format("model = \"{}\"\nK = {}\ndistortion = [{}]\n", name_of(kLensModels, lens.model),
-                     format_matrix(lens.K), fmt::join(distortion, ", "));
+  return fmt::format("model = \"{}\"\nK = {}\ndistortion = [{}]\n",
+                     name_of(kLensModels, lens.model), format_matrix(lens.K),
+                     fmt::join(distortion, ", "));
 }
 
 std::string format_camera(const CameraCalibration& camera, std::string_view lens) {
@@ -198,10 +202,11 @@ std::string format_camera(const CameraCalibration& camera, std::string_view lens
   }
   if (camera.fps > 0) out += fmt::format("fps = {}\n", format_float(camera.fps));
   out += lens;
-  out += fmt::format("readout_s = {}\nreadout_direction = \"{}\"\n", format_duration(camera.readout),
-                     name_of(kDirections, camera.readout_direction));
-  out += fmt::format("time_offset_s = {}\ntimestamp = \"{}\"\n", format_duration(camera.time_offset),
-                     name_of(kTimestamps, camera.timestamp));
+  out +=
+      fmt::format("readout_s = {}\nreadout_direction = \"{}\"\n", format_duration(camera.readout),
+                  name_of(kDirections, camera.readout_direction));
+  out += fmt::format("time_offset_s = {}\ntimestamp = \"{}\"\n",
+                     format_duration(camera.time_offset), name_of(kTimestamps, camera.timestamp));
   return out;
 }
 

@@ -27,7 +27,9 @@ Result<void> write_text(const std::filesystem::path& path, std::string_view text
   return {};
 }
 
-std::string seconds(SensorTime time) { return format_seconds(time.time_since_epoch()); }
+std::string seconds(SensorTime time) {
+  return format_seconds(time.time_since_epoch());
+}
 
 void append_row(fmt::memory_buffer& out, SensorTime time, const Eigen::Vector3d& v) {
   fmt::format_to(std::back_inserter(out), "{},{},{},{}\n", seconds(time), v.x(), v.y(), v.z());
@@ -64,8 +66,9 @@ std::string format_frames(const std::vector<FrameStamp>& frames) {
 /// The name in a session folder: the three that a session may have, Matroska for all else.
 std::string_view video_name(const std::filesystem::path& video) {
   std::string extension = video.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  std::transform(extension.begin(), extension.end(), extension.begin(), [](char c) {
+    return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  });
   if (extension == ".mp4" || extension == ".m4v") return "video.mp4";
   if (extension == ".mov") return "video.mov";
   return "video.mkv";
@@ -110,7 +113,8 @@ Result<void> write_session(const Session& session) {
         fmt::format("{}: cannot be made ({})", session.folder.string(), error.message()));
   }
   return copy_video(session)
-      .and_then([&] { return write_text(session.folder / "session.toml", format_session_toml(session)); })
+      .and_then(
+          [&] { return write_text(session.folder / "session.toml", format_session_toml(session)); })
       .and_then([&]() -> Result<void> {
         if (session.frames.empty()) return {};
         return write_text(session.folder / "frames.csv", format_frames(session.frames));

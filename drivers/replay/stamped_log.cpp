@@ -14,9 +14,13 @@ namespace gimbal {
 
 namespace {
 
-std::string name_of(const std::filesystem::path& file) { return file.filename().string(); }
+std::string name_of(const std::filesystem::path& file) {
+  return file.filename().string();
+}
 
-std::string_view plural(std::size_t count) { return count == 1 ? "" : "s"; }
+std::string_view plural(std::size_t count) {
+  return count == 1 ? "" : "s";
+}
 
 /// Lines that something is wrong with, for one warning about all of them.
 struct LineTally {
@@ -31,9 +35,9 @@ struct LineTally {
 void report_not_finite(const std::filesystem::path& file, const LineTally& tally,
                        std::vector<std::string>& warnings) {
   if (tally.count == 0) return;
-  warnings.push_back(fmt::format("{}: {} row{} left out with values that are not finite, first on line {}",
-                                 name_of(file), tally.count, plural(tally.count),
-                                 tally.first_line));
+  warnings.push_back(
+      fmt::format("{}: {} row{} left out with values that are not finite, first on line {}",
+                  name_of(file), tally.count, plural(tally.count), tally.first_line));
 }
 
 void report_cut_end(const std::filesystem::path& file, const CsvReader& reader,
@@ -82,10 +86,12 @@ Result<std::optional<FrameStamp>> read_frame_row(const CsvReader& reader, const 
 /// the end, O(n log n)).
 template <typename Sample>
 std::vector<std::size_t> longest_rises(const std::vector<Sample>& samples) {
-  std::vector<SensorTime> heads;  // heads[k]: the latest stamp that a run of k + 1 samples begins with
+  std::vector<SensorTime>
+      heads;  // heads[k]: the latest stamp that a run of k + 1 samples begins with
   std::vector<std::size_t> lengths(samples.size());
   for (std::size_t i = samples.size(); i-- > 0;) {
-    const auto place = std::lower_bound(heads.begin(), heads.end(), samples[i].time, std::greater<>());
+    const auto place =
+        std::lower_bound(heads.begin(), heads.end(), samples[i].time, std::greater<>());
     lengths[i] = static_cast<std::size_t>(place - heads.begin()) + 1;
     if (place == heads.end()) {
       heads.push_back(samples[i].time);
@@ -212,8 +218,8 @@ void keep_rising_stamps(StampedLog<Sample>& log, std::vector<std::string>& warni
   const std::vector<bool> rising = mark_longest_rise(log.samples);
   const auto fallen = static_cast<std::size_t>(std::count(rising.begin(), rising.end(), false));
   if (fallen == 0) return;
-  const auto first = static_cast<std::size_t>(
-      std::find(rising.begin(), rising.end(), false) - rising.begin());
+  const auto first =
+      static_cast<std::size_t>(std::find(rising.begin(), rising.end(), false) - rising.begin());
   warnings.push_back(fmt::format("{}: {} row{} left out because stamps do not rise: {}{}",
                                  name_of(log.file), fallen, plural(fallen),
                                  describe_fallen_stamp(log, first), fallen > 1 ? ", ..." : ""));
@@ -232,8 +238,8 @@ Result<void> check_has_samples(const StampedLog<Sample>& log) {
   if (log.rows_not_finite == 0) {
     return bad_input(fmt::format("{}: no rows after the header", log.file.string()));
   }
-  return bad_input(fmt::format("{}: all {} rows have values that are not finite",
-                               log.file.string(), log.rows_not_finite));
+  return bad_input(fmt::format("{}: all {} rows have values that are not finite", log.file.string(),
+                               log.rows_not_finite));
 }
 
 template <typename Sample>
@@ -265,11 +271,10 @@ void report_gaps(const StampedLog<Sample>& log, double longest_in_medians,
     longest_at = i - 1;
   }
   if (gap_count == 0) return;
-  warnings.push_back(fmt::format("{}: {} gap{}, {} {:.3f} s after line {} (t = {:.3f} s)",
-                                 name_of(log.file), gap_count, plural(gap_count),
-                                 gap_count == 1 ? "of" : "the longest of", to_seconds(longest),
-                                 log.lines[longest_at],
-                                 seconds_since_epoch(log.samples[longest_at].time)));
+  warnings.push_back(fmt::format(
+      "{}: {} gap{}, {} {:.3f} s after line {} (t = {:.3f} s)", name_of(log.file), gap_count,
+      plural(gap_count), gap_count == 1 ? "of" : "the longest of", to_seconds(longest),
+      log.lines[longest_at], seconds_since_epoch(log.samples[longest_at].time)));
 }
 
 template <typename Sample>

@@ -34,15 +34,17 @@ struct VectorLogFormat {
   double factor = 1.0;  ///< what a number has to be multiplied by
 };
 
-/// Reads rows of a time and three numbers: the first four columns of `reader`. `Sample` is GyroSample
-/// or AccelSample. Rows with values that are not finite are left out and counted in `warnings`.
+/// Reads rows of a time and three numbers: the first four columns of `reader`. `Sample` is
+/// GyroSample or AccelSample. Rows with values that are not finite are left out and counted in
+/// `warnings`.
 template <typename Sample>
 [[nodiscard]] Result<StampedLog<Sample>> read_vectors(CsvReader& reader,
                                                       const VectorLogFormat& format,
                                                       std::vector<std::string>& warnings);
 
 /// Each reads a CSV file of a session folder (SESSION_FORMAT.md). Rows with values that are not
-/// finite are left out and counted in `warnings`. Errors name file, line, column and what was found.
+/// finite are left out and counted in `warnings`. Errors name file, line, column and what was
+/// found.
 [[nodiscard]] Result<GyroLog> read_gyro_csv(const std::filesystem::path& path,
                                             std::vector<std::string>& warnings);
 
@@ -54,8 +56,9 @@ template <typename Sample>
 [[nodiscard]] Result<FrameLog> read_frames_csv(const std::filesystem::path& path,
                                                std::vector<std::string>& warnings);
 
-/// Keeps the longest run of samples, not necessarily neighbours, whose stamps rise strictly: a clock
-/// that leaps ahead for one sample costs that sample, not all that follow. Says what was left out.
+/// Keeps the longest run of samples, not necessarily neighbours, whose stamps rise strictly: a
+/// clock that leaps ahead for one sample costs that sample, not all that follow. Says what was left
+/// out.
 template <typename Sample>
 void keep_rising_stamps(StampedLog<Sample>& log, std::vector<std::string>& warnings);
 

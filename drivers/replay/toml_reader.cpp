@@ -122,7 +122,9 @@ Result<TomlTable> TomlTable::load(const std::filesystem::path& path) {
   return TomlTable(std::move(state));
 }
 
-bool TomlTable::has(std::string_view key) const { return state_->table->contains(key); }
+bool TomlTable::has(std::string_view key) const {
+  return state_->table->contains(key);
+}
 
 std::optional<std::string> TomlTable::text(std::string_view key) {
   const toml::node* const node = state_->find(key);
@@ -207,15 +209,18 @@ std::optional<TomlTable> TomlTable::table(std::string_view key) {
 
 void TomlTable::refuse(std::string_view key, std::string_view complaint) {
   const toml::node* const node = state_->table->get(key);
-  state_->keep_fault(node != nullptr ? *node   : *state_->table, key, complaint);
+  state_->keep_fault(node != nullptr ? *node : *state_->table, key, complaint);
 }
 
 void TomlTable::refuse_word(std::string_view key, std::string_view word,
                             const std::vector<std::string_view>& allowed) {
-  refuse(key, fmt::format("is {}; allowed are \"{}\"", in_quotes(word), fmt::join(allowed, "\", \"")));
+  refuse(key,
+         fmt::format("is {}; allowed are \"{}\"", in_quotes(word), fmt::join(allowed, "\", \"")));
 }
 
-const std::optional<Error>& TomlTable::error() const { return state_->error; }
+const std::optional<Error>& TomlTable::error() const {
+  return state_->error;
+}
 
 std::vector<std::string> TomlTable::unknown_keys() const {
   constexpr std::size_t kNear = 3;
@@ -225,15 +230,15 @@ std::vector<std::string> TomlTable::unknown_keys() const {
     const auto distance = [&](const std::string& known) { return edit_distance(name, known); };
     const auto& known = state_->asked_for;
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
-    const auto nearest = std::min_element(
-        known.begin(), known.end(),
-        [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
+    const auto nearest =
+        std::min_element(known.begin(), known.end(),
+                         [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
     const bool is_near = nearest != known.end() && distance(*nearest) <= kNear;
-    warnings.push_back(fmt::format(
-        "{}, line {}: {}{} is not known and passed over{}",
-        std::filesystem::path(state_->file).filename().string(), key.source().begin.line,
-        state_->prefix, in_quotes(name),
-        is_near ? fmt::format("; is {}{} meant?", state_->prefix, *nearest) : ""));
+    warnings.push_back(
+        fmt::format("{}, line {}: {}{} is not known and passed over{}",
+                    std::filesystem::path(state_->file).filename().string(),
+                    key.source().begin.line, state_->prefix, in_quotes(name),
+                    is_near ? fmt::format("; is {}{} meant?", state_->prefix, *nearest) : ""));
   }
   return warnings;
 }

@@ -21,8 +21,8 @@ struct NamedValue {
 };
 
 /// A table of a TOML file, read key by key. Each reader answers nothing if the key is not there, or
-/// not as it should be; the first such fault is kept in `error`, with file, line, key, what was found
-/// and what is allowed.
+/// not as it should be; the first such fault is kept in `error`, with file, line, key, what was
+/// found and what is allowed.
 class TomlTable {
  public:
   /// Refuses what is not UTF-8, not TOML, or larger than a megabyte.

@@ -111,10 +111,10 @@ std::vector<SensorDuration> block_starts(const std::vector<StreamBlock>& blocks,
                                          const std::vector<StreamBlock>& exposure,
                                          const Mp4Track& video) {
   std::vector<SensorDuration> starts;
-  const bool has_stamps =
-      !exposure.empty() && exposure.front().stream.stamp &&
-      std::all_of(blocks.begin(), blocks.end(),
-                  [](const StreamBlock& block) { return block.stream.stamp.has_value(); });
+  const bool has_stamps = !exposure.empty() && exposure.front().stream.stamp &&
+                          std::all_of(blocks.begin(), blocks.end(), [](const StreamBlock& block) {
+                            return block.stream.stamp.has_value();
+                          });
   std::size_t frames_before = 0;
   for (std::size_t i = 0; i < blocks.size(); ++i) {
     if (has_stamps) {
@@ -151,8 +151,8 @@ std::vector<TimedVector> spread(const std::vector<StreamBlock>& blocks,
     for (std::size_t i = 0; i < count; ++i) {
       const double fraction = static_cast<double>(i) / static_cast<double>(span_samples);
       const SensorDuration since_start = duration_from_seconds(fraction * to_seconds(span));
-      out.push_back({SensorTime(starts[block] + since_start),
-                     Eigen::Vector3d(values.data() + 3 * i)});
+      out.push_back(
+          {SensorTime(starts[block] + since_start), Eigen::Vector3d(values.data() + 3 * i)});
     }
   }
   return out;
@@ -197,7 +197,8 @@ std::vector<FrameStamp> frames_of(const Mp4Track& video, const Telemetry& teleme
   for (const StreamBlock& block : telemetry.exposure) {
     for (const double exposure_s : block.stream.values) {
       if (next == frames.size()) return frames;
-      if (exposure_s > 0 && exposure_s < 1) frames[next].exposure = duration_from_seconds(exposure_s);
+      if (exposure_s > 0 && exposure_s < 1)
+        frames[next].exposure = duration_from_seconds(exposure_s);
       ++next;
     }
   }
@@ -222,9 +223,8 @@ CameraCalibration camera_of(const Mp4Track& video, const Telemetry& telemetry) {
 
 /// "190506181507.395" is 2019-05-06T18:15:07.395Z.
 std::string rfc3339(const std::string& utc) {
-  const bool is_date = utc.size() >= 12 && std::all_of(utc.begin(), utc.begin() + 12, [](char c) {
-                         return c >= '0' && c <= '9';
-                       });
+  const bool is_date = utc.size() >= 12 && std::all_of(utc.begin(), utc.begin() + 12,
+                                                       [](char c) { return c >= '0' && c <= '9'; });
   if (!is_date) return "";
   return fmt::format("20{}-{}-{}T{}:{}:{}Z", utc.substr(0, 2), utc.substr(2, 2), utc.substr(4, 2),
                      utc.substr(6, 2), utc.substr(8, 2), utc.substr(10));
@@ -246,8 +246,8 @@ Result<Session> read_gopro(const std::filesystem::path& input) {
     return bad_input(fmt::format("{}: {}", input.string(), (gyro ? accel : gyro).error().message));
   }
   Session session;
-  session.device = telemetry->device.starts_with("GoPro") ? telemetry->device
-                                                          : "GoPro " + telemetry->device;
+  session.device =
+      telemetry->device.starts_with("GoPro") ? telemetry->device : "GoPro " + telemetry->device;
   session.recorded_at = rfc3339(telemetry->utc);
   session.camera_without_lens = camera_of(*video, *telemetry);
   session.imu.R_camera_imu = R_camera_gopro();

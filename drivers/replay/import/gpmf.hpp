@@ -20,7 +20,9 @@ struct GpmfStream {
   std::string orientation_in;  ///< ORIN: the axis of each column, a small letter for its opposite
   std::string utc;             ///< GPSU, yymmddhhmmss.sss; empty without a fix
 
-  [[nodiscard]] std::size_t sample_count() const { return columns == 0 ? 0 : values.size() / columns; }
+  [[nodiscard]] std::size_t sample_count() const {
+    return columns == 0 ? 0 : values.size() / columns;
+  }
 };
 
 struct GpmfDevice {
@@ -28,8 +30,8 @@ struct GpmfDevice {
   std::vector<GpmfStream> streams;
 };
 
-/// A payload's devices, in order. The bytes are not trusted: what does not fit into what it is in is
-/// left out. Source: GoPro's description of the format (github.com/gopro/gpmf-parser).
+/// A payload's devices, in order. The bytes are not trusted: what does not fit into what it is in
+/// is left out. Source: GoPro's description of the format (github.com/gopro/gpmf-parser).
 [[nodiscard]] std::vector<GpmfDevice> parse_gpmf(ByteView payload);
 
 }  // namespace gimbal

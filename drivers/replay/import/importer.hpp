@@ -23,8 +23,8 @@ struct Importer {
 [[nodiscard]] std::span<const Importer> importers();
 
 /// Turns a recording of any known kind into a session folder, which must not exist or be empty, and
-/// opens it: the answer's warnings say what is odd about the recording. Leaves nothing behind if the
-/// recording turns out to be unusable.
+/// opens it: the answer's warnings say what is odd about the recording. Leaves nothing behind if
+/// the recording turns out to be unusable.
 [[nodiscard]] Result<Session> import_session(const std::filesystem::path& input,
                                              const std::filesystem::path& folder);
 

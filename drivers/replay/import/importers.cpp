@@ -22,9 +22,9 @@ Result<Session> read_recording(const std::filesystem::path& input) {
   if (!std::filesystem::exists(input, ignored)) {
     return bad_input(fmt::format("{}: no such file or folder", input.string()));
   }
-  const auto importer = std::find_if(
-      importers().begin(), importers().end(),
-      [&](const Importer& candidate) { return candidate.recognises(input); });
+  const auto importer =
+      std::find_if(importers().begin(), importers().end(),
+                   [&](const Importer& candidate) { return candidate.recognises(input); });
   if (importer != importers().end()) return importer->read(input);
   std::vector<std::string_view> kinds;
   for (const Importer& known : importers()) kinds.push_back(known.kind);
@@ -59,9 +59,8 @@ void write_thumbnail(Session& session) {
 }  // namespace
 
 std::span<const Importer> importers() {
-  static const std::array kImporters{kMetaJsonImporter,  kIosLoggerImporter,
-                                     kCoreMotionLogImporter, kGyroflowImporter,
-                                     kGoProImporter, kAndroidLogImporter};
+  static const std::array kImporters{kMetaJsonImporter, kIosLoggerImporter, kCoreMotionLogImporter,
+                                     kGyroflowImporter, kGoProImporter,     kAndroidLogImporter};
   return kImporters;
 }
 

@@ -102,7 +102,8 @@ Result<Session> read_ios_logger(const std::filesystem::path& input) {
   auto gyro = read_vector_file<GyroSample>(input / "Gyro.txt", 1.0, session.warnings);
   if (!gyro) return tl::unexpected(gyro.error());
   std::error_code ignored;
-  if (const std::filesystem::path path = input / "Accel.txt"; std::filesystem::exists(path, ignored)) {
+  if (const std::filesystem::path path = input / "Accel.txt";
+      std::filesystem::exists(path, ignored)) {
     auto accel =
         read_vector_file<AccelSample>(path, kCoreMotionToSpecificForce_m_s2, session.warnings);
     if (!accel) return tl::unexpected(accel.error());

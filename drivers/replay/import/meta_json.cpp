@@ -19,7 +19,9 @@ namespace {
 using Json = nlohmann::json;
 
 /// ARKit's camera axes are x right, y up, z back.
-Eigen::Matrix3d R_camera_arkit() { return Eigen::Vector3d(1, -1, -1).asDiagonal(); }
+Eigen::Matrix3d R_camera_arkit() {
+  return Eigen::Vector3d(1, -1, -1).asDiagonal();
+}
 
 std::optional<Json> load(const std::filesystem::path& path) {
   std::error_code ignored;
@@ -33,7 +35,8 @@ std::optional<Json> load(const std::filesystem::path& path) {
 /// The description of one recording, with faults that name file and key.
 class MetaJson {
  public:
-  MetaJson(std::filesystem::path path, Json json) : path_(std::move(path)), json_(std::move(json)) {}
+  MetaJson(std::filesystem::path path, Json json)
+      : path_(std::move(path)), json_(std::move(json)) {}
 
   [[nodiscard]] bool has(const char* key) const {
     return json_.contains(key) && !json_.at(key).is_null();
@@ -53,7 +56,8 @@ class MetaJson {
     const Json rows = json_.value(key, Json());
     if (!rows.is_array() || rows.size() != 3) return fault(key, "three rows of three numbers");
     for (std::size_t r = 0; r < 3; ++r) {
-      if (!rows[r].is_array() || rows[r].size() != 3) return fault(key, "three rows of three numbers");
+      if (!rows[r].is_array() || rows[r].size() != 3)
+        return fault(key, "three rows of three numbers");
       for (std::size_t c = 0; c < 3; ++c) {
         if (!rows[r][c].is_number()) return fault(key, "three rows of three numbers");
         matrix(static_cast<int>(r), static_cast<int>(c)) = rows[r][c].get<double>();
@@ -64,8 +68,8 @@ class MetaJson {
 
  private:
   [[nodiscard]] tl::unexpected<Error> fault(const char* key, std::string_view expected) const {
-    return bad_input(fmt::format("{}: {} is missing or wrong; {} is expected", path_.string(), key,
-                                 expected));
+    return bad_input(
+        fmt::format("{}: {} is missing or wrong; {} is expected", path_.string(), key, expected));
   }
 
   std::filesystem::path path_;
@@ -105,7 +109,8 @@ Result<CameraCalibration> read_camera(const MetaJson& meta, Session& session) {
   camera.readout = duration_from_seconds(*readout_s);
   camera.time_offset = duration_from_seconds(*offset_s);
   session.notes.emplace_back(
-      "readout_s and time_offset_s are fitted to the picture: row y of H is exposed, in the middle, "
+      "readout_s and time_offset_s are fitted to the picture: row y of H is exposed, in the "
+      "middle, "
       "at t_s + time_offset_s + readout_s*y/H.");
   if (meta.has("exposure_s")) {
     session.notes.push_back(fmt::format(
@@ -149,7 +154,8 @@ Result<Session> read_meta_json(const std::filesystem::path& input) {
   if (!R_camera_imu) return tl::unexpected(R_camera_imu.error());
   session.imu.R_camera_imu = *R_camera_imu;
   session.device = meta.has(kArkitAxes) ? "iPhone" : "phone";
-  if (Result<void> read = read_logs(input, meta, session); !read) return tl::unexpected(read.error());
+  if (Result<void> read = read_logs(input, meta, session); !read)
+    return tl::unexpected(read.error());
   if (!meta.has("K")) return session;
   Result<CameraCalibration> camera = read_camera(meta, session);
   if (!camera) return tl::unexpected(camera.error());

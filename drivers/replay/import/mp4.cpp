@@ -121,7 +121,8 @@ std::optional<std::vector<std::uint64_t>> chunk_offsets(ByteView stbl) {
 }
 
 /// Samples in each of `chunk_count` chunks, from the runs of stsc.
-std::optional<std::vector<std::uint32_t>> samples_per_chunk(ByteView stbl, std::size_t chunk_count) {
+std::optional<std::vector<std::uint32_t>> samples_per_chunk(ByteView stbl,
+                                                            std::size_t chunk_count) {
   const auto stsc = find(stbl, four_cc("stsc"));
   const auto table = stsc ? table_of(*stsc, kFullBoxHeader + 4, 12) : std::nullopt;
   if (!table) return std::nullopt;
@@ -277,8 +278,8 @@ Result<std::vector<Mp4Track>> read_mp4_tracks(const std::filesystem::path& path)
   if (error || !file) return bad_input(fmt::format("{}: cannot be read", path.string()));
   const auto moov = read_moov(file, file_size);
   if (!moov) {
-    return bad_input(
-        fmt::format("{}: no moov box; is this an MP4, and was its recording finished?", path.string()));
+    return bad_input(fmt::format("{}: no moov box; is this an MP4, and was its recording finished?",
+                                 path.string()));
   }
   std::vector<Mp4Track> tracks;
   for (const Box& box : children_of(ByteView(std::span(*moov)))) {
@@ -306,8 +307,8 @@ Result<std::vector<std::uint8_t>> read_mp4_sample(const std::filesystem::path& p
   auto bytes = sample.size <= kLargestSample && file ? read_range(file, sample.offset, sample.size)
                                                      : std::nullopt;
   if (bytes) return std::move(*bytes);
-  return bad_input(fmt::format("{}: {} bytes at {} cannot be read", path.string(), sample.size,
-                               sample.offset));
+  return bad_input(
+      fmt::format("{}: {} bytes at {} cannot be read", path.string(), sample.size, sample.offset));
 }
 
 }  // namespace gimbal

@@ -43,8 +43,8 @@ char separator_of(const std::string& row) {
   return row.find(',') != std::string::npos ? ',' : ' ';
 }
 
-/// True for a row of `columns` numbers, the first of them whole and in nanoseconds since a boot or an
-/// epoch: a day has 8.6e13.
+/// True for a row of `columns` numbers, the first of them whole and in nanoseconds since a boot or
+/// an epoch: a day has 8.6e13.
 bool is_row_in_nanoseconds(const std::string& row, std::size_t columns) {
   constexpr double kLeast = 1e11;
   std::size_t count = 0;
@@ -64,9 +64,9 @@ bool is_row_in_nanoseconds(const std::string& row, std::size_t columns) {
 template <typename Sample>
 Result<std::vector<Sample>> read_samples(const std::filesystem::path& path, std::size_t first,
                                          double factor, std::vector<std::string>& warnings) {
-  Result<CsvReader> reader = CsvReader::open_headerless(
-      path, {{"t", 0}, {"x", first}, {"y", first + 1}, {"z", first + 2}},
-      separator_of(first_row(path)));
+  Result<CsvReader> reader =
+      CsvReader::open_headerless(path, {{"t", 0}, {"x", first}, {"y", first + 1}, {"z", first + 2}},
+                                 separator_of(first_row(path)));
   if (!reader) return tl::unexpected(reader.error());
   Result<StampedLog<Sample>> log =
       read_vectors<Sample>(*reader, {TimeUnit::nanoseconds, factor}, warnings);
@@ -103,7 +103,8 @@ Result<Session> read_core_motion_logs(const std::filesystem::path& input) {
   session.imu.R_camera_imu = R_landscape_camera_phone();
   session.imu_clock = "boot";
   session.notes = {
-      "From a CoreLocationMotion logger folder. The accelerometer is taken to have CoreMotion's sign."};
+      "From a CoreLocationMotion logger folder. The accelerometer is taken to have CoreMotion's "
+      "sign."};
   return session;
 }
 

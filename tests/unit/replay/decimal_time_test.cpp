@@ -11,8 +11,10 @@ namespace {
 
 TEST(ParseTime, KeepsWhatADoubleWouldLose) {
   // The neighbouring doubles of 1627530745.150090 are 0.24 µs apart.
-  EXPECT_EQ(parse_time("1627530745.150090", TimeUnit::seconds).value().count(), 1'627'530'745'150'090'000);
-  EXPECT_EQ(parse_time("1627530745.150090123", TimeUnit::seconds).value().count(), 1'627'530'745'150'090'123);
+  EXPECT_EQ(parse_time("1627530745.150090", TimeUnit::seconds).value().count(),
+            1'627'530'745'150'090'000);
+  EXPECT_EQ(parse_time("1627530745.150090123", TimeUnit::seconds).value().count(),
+            1'627'530'745'150'090'123);
 }
 
 TEST(ParseTime, ReadsEveryNotation) {
@@ -22,7 +24,8 @@ TEST(ParseTime, ReadsEveryNotation) {
   EXPECT_EQ(parse_time(".25", TimeUnit::seconds).value().count(), 250'000'000);
   EXPECT_EQ(parse_time("1e-09", TimeUnit::seconds).value().count(), 1);
   EXPECT_EQ(parse_time("-3.5E+2", TimeUnit::seconds).value().count(), -350'000'000'000);
-  EXPECT_EQ(parse_time("000000000000000000000000000001.5", TimeUnit::seconds).value().count(), 1'500'000'000);
+  EXPECT_EQ(parse_time("000000000000000000000000000001.5", TimeUnit::seconds).value().count(),
+            1'500'000'000);
 }
 
 TEST(ParseTime, RoundsToTheNearestNanosecond) {
@@ -35,7 +38,8 @@ TEST(ParseTime, RoundsToTheNearestNanosecond) {
 }
 
 TEST(ParseTime, RefusesWhatIsNoTime) {
-  for (const char* text : {"", "-", ".", "e5", "1e", "1.2.3", "0x10", "1 2", "12a", "--1", "\0001"}) {
+  for (const char* text :
+       {"", "-", ".", "e5", "1e", "1.2.3", "0x10", "1 2", "12a", "--1", "\0001"}) {
     ASSERT_FALSE(parse_time(text, TimeUnit::seconds).has_value()) << text;
     EXPECT_EQ(parse_time(text, TimeUnit::seconds).error(), TimeTextFault::not_a_number) << text;
   }

@@ -19,10 +19,18 @@ inline std::string bytes_of(std::uint64_t value, int size) {
   return out;
 }
 
-inline std::string u16(std::uint64_t value) { return bytes_of(value, 2); }
-inline std::string u32(std::uint64_t value) { return bytes_of(value, 4); }
-inline std::string u64(std::uint64_t value) { return bytes_of(value, 8); }
-inline std::string f32(float value) { return u32(std::bit_cast<std::uint32_t>(value)); }
+inline std::string u16(std::uint64_t value) {
+  return bytes_of(value, 2);
+}
+inline std::string u32(std::uint64_t value) {
+  return bytes_of(value, 4);
+}
+inline std::string u64(std::uint64_t value) {
+  return bytes_of(value, 8);
+}
+inline std::string f32(float value) {
+  return u32(std::bit_cast<std::uint32_t>(value));
+}
 
 inline std::string box(std::string_view type, const std::string& content) {
   return u32(content.size() + 8) + std::string(type) + content;
@@ -57,8 +65,8 @@ struct GoProTrack {
 
 /// One chunk holds all samples of a track; its bytes are at `offset` of the file.
 inline std::string trak_box(const GoProTrack& track, std::size_t offset) {
-  const std::string description = u32(0) + u32(1) + u32(86) + track.format + std::string(24, '\0') + u16(848) +
-                u16(480) + std::string(50, '\0');
+  const std::string description = u32(0) + u32(1) + u32(86) + track.format + std::string(24, '\0') +
+                                  u16(848) + u16(480) + std::string(50, '\0');
   std::string sizes = u32(0) + u32(0) + u32(track.samples.size());
   for (const std::string& sample : track.samples) sizes += u32(sample.size());
   std::string durations = u32(0) + u32(track.durations.size());
@@ -71,8 +79,8 @@ inline std::string trak_box(const GoProTrack& track, std::size_t offset) {
       box("mdhd", u32(0) + u32(0) + u32(0) + u32(track.ticks_per_second) + u32(0) + u32(0));
   const std::string hdlr =
       box("hdlr", u32(0) + u32(0) + track.handler + std::string(12, '\0') + "name");
-  return box("trak", box("tkhd", std::string(84, '\0')) +
-                         box("mdia", mdhd + hdlr + box("minf", stbl)));
+  return box("trak",
+             box("tkhd", std::string(84, '\0')) + box("mdia", mdhd + hdlr + box("minf", stbl)));
 }
 
 /// ftyp, mdat with the samples of all tracks, moov.

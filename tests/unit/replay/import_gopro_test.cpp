@@ -22,10 +22,10 @@ using test::f32;
 using test::klv;
 using test::nested;
 using test::shorts;
+using test::TemporaryFolder;
 using test::u16;
 using test::u32;
 using test::u64;
-using test::TemporaryFolder;
 using ::testing::HasSubstr;
 
 constexpr double kFrame_s = 1001.0 / 30000;
@@ -67,18 +67,19 @@ test::GoProTrack telemetry(std::vector<std::string> payloads) {
   return {"meta", "gpmd", 1000, {{count, 1001}}, std::move(payloads)};
 }
 
-std::string stmp(std::uint64_t microseconds) { return klv("STMP", 'J', 8, u64(microseconds)); }
+std::string stmp(std::uint64_t microseconds) {
+  return klv("STMP", 'J', 8, u64(microseconds));
+}
 
 /// Two payloads with stamps of their own: the gyro's first sample is 5 ms before the first frame.
 std::string stamped_file() {
   return test::mp4_file(
-      {pictures(60),
-       telemetry({payload(stream(stmp(80'000), "YxZ", 100, "GYRO", vectors(200)) +
-                          stream(stmp(80'000), "YxZ", 4, "ACCL", vectors(100)) +
-                          exposures(stmp(85'000), 30) + readouts()),
-                  payload(stream(stmp(1'080'000), "YxZ", 100, "GYRO", vectors(200)) +
-                          stream(stmp(1'080'000), "YxZ", 4, "ACCL", vectors(100)) +
-                          exposures(stmp(1'086'000), 30))})});
+      {pictures(60), telemetry({payload(stream(stmp(80'000), "YxZ", 100, "GYRO", vectors(200)) +
+                                        stream(stmp(80'000), "YxZ", 4, "ACCL", vectors(100)) +
+                                        exposures(stmp(85'000), 30) + readouts()),
+                                payload(stream(stmp(1'080'000), "YxZ", 100, "GYRO", vectors(200)) +
+                                        stream(stmp(1'080'000), "YxZ", 4, "ACCL", vectors(100)) +
+                                        exposures(stmp(1'086'000), 30))})});
 }
 
 /// The session that the first importer who recognises the file makes of it.
@@ -142,9 +143,9 @@ TEST(ImportGoPro, CountsFramesWhereThereAreNoStamps) {
 }
 
 TEST(ImportGoPro, TakesPayloadTimesAsTheLastResort) {
-  const Result<Session> session =
-      import(test::mp4_file({pictures(60), telemetry({payload(stream("", "", 1, "GYRO", vectors(200))),
-                                                      payload(stream("", "", 1, "GYRO", vectors(200)))})}));
+  const Result<Session> session = import(test::mp4_file(
+      {pictures(60), telemetry({payload(stream("", "", 1, "GYRO", vectors(200))),
+                                payload(stream("", "", 1, "GYRO", vectors(200)))})}));
   ASSERT_TRUE(session) << session.error().message;
   expect_time(session->gyro[100].time, 0.5005);
   expect_time(session->gyro[200].time, 1.001);
@@ -152,11 +153,12 @@ TEST(ImportGoPro, TakesPayloadTimesAsTheLastResort) {
 }
 
 TEST(ImportGoPro, ReadsTheFirstDeviceWithAGyro) {
-  const std::string drone = nested(
-      "DEVC", klv("DVNM", 'c', 1, "Karma") + stream("", "", 1, "GYRO", vectors(50)));
+  const std::string drone =
+      nested("DEVC", klv("DVNM", 'c', 1, "Karma") + stream("", "", 1, "GYRO", vectors(50)));
   const std::string strap = nested("DEVC", klv("DVNM", 'c', 1, "Heart") + readouts());
   const Result<Session> session = import(test::mp4_file(
-      {pictures(30), telemetry({strap + payload(stream("", "", 1, "GYRO", vectors(200))) + drone})}));
+      {pictures(30),
+       telemetry({strap + payload(stream("", "", 1, "GYRO", vectors(200))) + drone})}));
   ASSERT_TRUE(session) << session.error().message;
   EXPECT_EQ(session->gyro.size(), 200U);
 }
@@ -281,7 +283,9 @@ struct RealFile {
   double gravity_tolerance_m_s2;
 };
 
-void PrintTo(const RealFile& file, std::ostream* out) { *out << file.path; }
+void PrintTo(const RealFile& file, std::ostream* out) {
+  *out << file.path;
+}
 
 class RealGoPro : public ::testing::TestWithParam<RealFile> {};
 
@@ -291,7 +295,8 @@ double median(std::vector<double> values) {
 }
 
 TEST_P(RealGoPro, HasGravityAndAPlausibleRate) {
-  const std::filesystem::path input = std::filesystem::path(GIMBALD_SHARED) / "data/logs" / GetParam().path;
+  const std::filesystem::path input =
+      std::filesystem::path(GIMBALD_SHARED) / "data/logs" / GetParam().path;
   if (!std::filesystem::exists(input)) GTEST_SKIP() << "no recordings: set GIMBALD_SHARED_DIR";
   const TemporaryFolder folder;
   const Result<Session> session = import_session(input, folder.path() / "session");

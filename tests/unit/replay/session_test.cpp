@@ -19,7 +19,9 @@ using ::testing::IsEmpty;
 
 constexpr std::int64_t kEpoch_ns = 1'627'530'745'150'090'001;
 
-SensorTime at(std::int64_t nanoseconds) { return SensorTime(SensorDuration(nanoseconds)); }
+SensorTime at(std::int64_t nanoseconds) {
+  return SensorTime(SensorDuration(nanoseconds));
+}
 
 /// Stamps off the microsecond grid, values that need every digit of a double.
 Session recording(const std::filesystem::path& folder) {
