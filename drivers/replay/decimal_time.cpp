@@ -47,9 +47,9 @@ std::optional<Decimal> parse_decimal(std::string_view text) {
   return decimal;
 }
 
-/// Nearest whole number, halves away from zero; nothing above the largest int64.
+/// Nearest whole number, halves away from zero; nothing above half of what an int64 holds.
 std::optional<std::int64_t> round_to_integer(const Decimal& decimal) {
-  constexpr auto kMax = std::numeric_limits<std::int64_t>::max();
+  constexpr auto kMax = std::numeric_limits<std::int64_t>::max() / 2;
   const std::size_t leading_zeros =
       std::min(decimal.digits.find_first_not_of('0'), decimal.digits.size());
   const std::string_view digits = std::string_view(decimal.digits).substr(leading_zeros);

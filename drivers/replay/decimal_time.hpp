@@ -12,7 +12,7 @@ namespace gimbal {
 enum class TimeTextFault : std::uint8_t {
   not_a_number,
   not_finite,    ///< "nan" or "inf"
-  out_of_range,  ///< beyond 292 years
+  out_of_range,  ///< beyond 146 years, so that any two times have a difference
 };
 
 /// What a log counts time in; the value is the power of ten of a second.

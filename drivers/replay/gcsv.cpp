@@ -111,7 +111,7 @@ Result<std::optional<SensorDuration>> read_time(const CsvReader& reader, const C
   const Result<double> ticks = reader.number(row, 0);
   if (!ticks) return tl::unexpected(ticks.error());
   const double time_s = *ticks * seconds_per_tick;
-  constexpr double kLongest_s = 9e9;
+  constexpr double kLongest_s = 4e9;
   if (std::abs(time_s) > kLongest_s) return reader.error_at(row, 0, "too large for a time");
   return std::isfinite(time_s) ? std::optional(duration_from_seconds(time_s)) : std::nullopt;
 }

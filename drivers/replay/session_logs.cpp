@@ -76,18 +76,27 @@ Result<void> prepare(StampedLog<Sample>& log, PlausibleStep plausible, double ga
   return {};
 }
 
+SensorDuration time_offset_of(const Session& session) {
+  if (session.camera) return session.camera->time_offset;
+  return session.camera_without_lens ? session.camera_without_lens->time_offset : SensorDuration{};
+}
+
 /// When the frames were exposed, on the IMU's clock: their stamps moved by the time offset, and the
 /// readout of the last one.
 TimeRange exposure_range(const Session& session) {
-  TimeRange range = range_of(session.frames);
-  const std::optional<CameraCalibration>& camera =
-      session.camera ? session.camera : session.camera_without_lens;
-  if (!camera) return range;
-  return {range.first + camera->time_offset, range.last + camera->time_offset + camera->readout};
+  const auto& camera = session.camera ? session.camera : session.camera_without_lens;
+  const SensorDuration readout = camera ? camera->readout : SensorDuration{};
+  const TimeRange stamps = range_of(session.frames);
+  return {stamps.first + time_offset_of(session), stamps.last + time_offset_of(session) + readout};
+}
+
+/// By way of doubles, since a wrong time offset can make the difference too long for an int64.
+double seconds_between(SensorTime from, SensorTime to) {
+  return seconds_since_epoch(to) - seconds_since_epoch(from);
 }
 
 std::int64_t count_frames_outside(const Session& session, TimeRange gyro) {
-  const SensorDuration offset = exposure_range(session).first - session.frames.front().time;
+  const SensorDuration offset = time_offset_of(session);
   return std::count_if(session.frames.begin(), session.frames.end(), [&](const FrameStamp& stamp) {
     return stamp.time + offset < gyro.first || stamp.time + offset > gyro.last;
   });
@@ -102,8 +111,8 @@ Result<void> check_gyro_covers_frames(Session& session) {
         "camera.time_offset_s right?",
         session.folder.string(), as_text(gyro), as_text(frames)));
   }
-  const double late_s = to_seconds(gyro.first - frames.first);
-  const double early_s = to_seconds(frames.last - gyro.last);
+  const double late_s = seconds_between(frames.first, gyro.first);
+  const double early_s = seconds_between(gyro.last, frames.last);
   const std::int64_t outside = count_frames_outside(session, gyro);
   if (late_s > 0) {
     session.warnings.push_back(fmt::format("gyro starts {:.3f} s after the first frame", late_s));

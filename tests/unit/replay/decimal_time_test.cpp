@@ -55,7 +55,8 @@ TEST(ParseTime, RefusesWhatIsNoTime) {
 
 TEST(FormatSeconds, IsReadBackToTheNanosecond) {
   std::mt19937_64 random(1);
-  std::uniform_int_distribution<std::int64_t> any(-std::numeric_limits<std::int64_t>::max());
+  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max() / 2;
+  std::uniform_int_distribution<std::int64_t> any(-kMost, kMost);
   for (int i = 0; i < 10'000; ++i) {
     const SensorDuration duration(any(random));
     ASSERT_EQ(parse_time(format_seconds(duration), TimeUnit::seconds).value(), duration);
