@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <iterator>
 #include <utility>
 
 namespace gimbal {
@@ -82,11 +83,17 @@ std::vector<std::uint8_t> stream_header(const SinkFormat& format) {
   return {text.begin(), text.end()};
 }
 
+/// Grows by `count` bytes, to be written where the result points.
+std::uint8_t* append(std::vector<std::uint8_t>& bytes, int count) {
+  bytes.resize(bytes.size() + static_cast<std::size_t>(count));
+  return bytes.data() + (std::ssize(bytes) - count);
+}
+
 void append_luma(std::vector<std::uint8_t>& bytes, const VideoFrame& frame) {
   const auto [data, stride] = frame.planes[0];
+  std::uint8_t* to = append(bytes, frame.size.width * frame.size.height);
   for (int row = 0; row < frame.size.height; ++row) {
-    const std::uint8_t* begin = data + row * stride;
-    bytes.insert(bytes.end(), begin, begin + frame.size.width);
+    to = std::copy_n(data + row * stride, frame.size.width, to);
   }
 }
 
@@ -94,11 +101,13 @@ void append_luma(std::vector<std::uint8_t>& bytes, const VideoFrame& frame) {
 void append_chroma(std::vector<std::uint8_t>& bytes, const VideoFrame& frame, int offset) {
   const auto [data, stride] = frame.planes[1];
   const ImageSize size = chroma_size(frame.size);
+  std::uint8_t* to = append(bytes, size.width * size.height);
   for (int row = 0; row < size.height; ++row) {
-    const std::uint8_t* sample = data + row * stride + offset;
+    const std::uint8_t* from = data + row * stride + offset;
     for (int column = 0; column < size.width; ++column) {
-      bytes.push_back(sample[2 * column]);
+      to[column] = from[2 * column];
     }
+    to += size.width;
   }
 }
 
