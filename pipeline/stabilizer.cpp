@@ -10,6 +10,9 @@ namespace {
 /// several times a second.
 constexpr SensorDuration kMaxGap = std::chrono::milliseconds(100);
 
+/// In a sixteenth of a readout a hand's turn bends an edge by less than a tenth of a pixel.
+constexpr int kOutlinePointsPerSide = 17;
+
 bool is_orthonormal(const Eigen::Matrix3d& R) {
   constexpr double kTolerance = 1e-3;
   return (R * R.transpose() - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() < kTolerance &&
@@ -137,9 +140,8 @@ RequiredZoom Stabilizer::required_zoom_of(const FrameStamp& stamp) const {
   if (options_.border != Border::crop) {
     return [](const Eigen::Quaterniond&) { return 0.0; };  // borders are filled: any view will do
   }
-  const int points = std::max(options_.mesh.columns, options_.mesh.rows) + 1;
   return [outline = trace_outline(lens_, camera_.size, camera_.readout_direction,
-                                  orientation_of(stamp), points),
+                                  orientation_of(stamp), kOutlinePointsPerSide),
           intrinsics = unzoomed(), size = camera_.size](const Eigen::Quaterniond& q_world_camera) {
     return required_zoom(outline, q_world_camera, intrinsics, size);
   };

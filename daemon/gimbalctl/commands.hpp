@@ -1,6 +1,9 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <map>
+#include <string>
+#include <vector>
 
 #include "pipeline/sample/result.hpp"
 
@@ -9,6 +12,14 @@ namespace gimbal {
 /// Each function adds one subcommand to the command line. Its callback does the whole job and
 /// leaves its result in `outcome`, which outlives the app.
 using CommandOutcome = Result<void>;
+
+/// What an option that names one of a few things may be set to.
+template <typename Value>
+std::vector<std::string> names_of(const std::map<std::string, Value>& choices) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : choices) names.push_back(name);
+  return names;
+}
 
 void add_sessions_command(CLI::App& app, CommandOutcome& outcome);
 void add_simulate_command(CLI::App& app, CommandOutcome& outcome);

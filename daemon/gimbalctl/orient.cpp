@@ -18,7 +18,7 @@ namespace {
 struct Arguments {
   std::filesystem::path session;
   std::string out;
-  EstimatorKind estimator = EstimatorKind::ekf;
+  std::string estimator = "ekf";
   bool causal = false;
   std::optional<double> lag_s;
 };
@@ -71,7 +71,7 @@ Result<void> run(const Arguments& arguments) {
   }
   const auto lookahead = lookahead_of(arguments);
   if (!lookahead) return tl::unexpected(lookahead.error());
-  const auto attitudes = make_attitudes(arguments.estimator, *lookahead);
+  const auto attitudes = make_attitudes(estimator_names().at(arguments.estimator), *lookahead);
   if (arguments.out == "-") {
     return write_orientations(*session, *attitudes, std::cout, "standard output");
   }
@@ -98,7 +98,7 @@ void add_orient_command(CLI::App& app, CommandOutcome& outcome) {
   command->add_option("--lag", arguments->lag_s, "Use so many seconds of future at most")
       ->excludes(causal);
   command->add_option("--estimator", arguments->estimator, "How orientation is estimated")
-      ->transform(CLI::CheckedTransformer(estimator_names()))
+      ->transform(CLI::IsMember(names_of(estimator_names())))
       ->option_text("ekf|thesis [ekf]");
   command->callback([arguments, &outcome] { outcome = run(*arguments); });
 }

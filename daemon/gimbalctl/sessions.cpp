@@ -63,6 +63,8 @@ std::vector<StabilizedVersion> stabilized_versions(const Session& session) {
   for (const std::filesystem::path& path : entries_of(session.folder / "stabilized")) {
     const std::string extension = path.extension().string();
     if (extension != ".mp4" && extension != ".mkv" && extension != ".y4m") continue;
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(path, ignored)) continue;  // a link to what is gone
     versions.push_back(describe_version(path));
   }
   return versions;

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "daemon/gimbalctl/data_files.hpp"
+#include "daemon/gimbalctl/progress_bar.hpp"
 #include "drivers/replay/decimal_time.hpp"
 #include "drivers/replay/replay_camera.hpp"
 #include "drivers/replay/session.hpp"
@@ -275,11 +276,14 @@ Result<void> write_video(SyntheticCamera& camera, const SimulationOptions& optio
   auto sink = open_video(options.output / "video.mkv", camera.format());
   if (!sink) return error_of(sink);
   if (Result<void> started = camera.start(); !started) return started;
+  ProgressBar progress("simulate", static_cast<std::int64_t>(camera.frame_count()),
+                       options.quiet ? ProgressStyle::quiet : ProgressStyle::automatic);
   while (true) {
     const Result<std::optional<VideoFrame>> frame = camera.read();
     if (!frame) return error_of(frame);
     if (!*frame) return (*sink)->finish();
     if (Result<void> written = (*sink)->write(**frame); !written) return written;
+    progress.advance();
     const bool middle =
         (*frame)->stamp.index == static_cast<std::int64_t>(camera.frame_count()) / 2;
     if (middle) {
@@ -345,6 +349,31 @@ Result<void> check(const SimulationOptions& options) {
   const auto within = [](double value, double least, double most) {
     return value >= least && value <= most;  // false for what is not a number
   };
+  struct Limit {
+    const char* option;
+    double value;
+    double least;
+    double most;
+    const char* unit;
+  };
+  const std::array limits = {
+      Limit{"--time-offset", options.time_offset_ms.value_or(0), -1e7, 1e7, "ms"},
+      Limit{"--exposure", options.exposure_ms, 0, 1e4, "ms"},
+      Limit{"--readout", options.readout_ms.value_or(0), 0, 1e4, "ms"},
+      Limit{"--frame-jitter", options.frame_jitter_ms, 0, 1e3, "ms"},
+      Limit{"--full-well", options.full_well_electrons, 0, 1e9, "electrons"},
+      Limit{"--accel-rate", options.accel_rate_hz, 0, 1e4, "Hz"},
+      Limit{"--gyro-noise", options.gyro_noise_rad_s, 0, 10, "rad/s/√Hz"},
+      Limit{"--accel-noise", options.accel_noise_m_s2, 0, 100, "m/s²/√Hz"},
+      Limit{"--gyro-bias", options.gyro_bias_rad_s[0], -100, 100, "rad/s"},
+      Limit{"--gyro-bias", options.gyro_bias_rad_s[1], -100, 100, "rad/s"},
+      Limit{"--gyro-bias", options.gyro_bias_rad_s[2], -100, 100, "rad/s"},
+  };
+  for (const Limit& limit : limits) {
+    if (within(limit.value, limit.least, limit.most)) continue;
+    return bad_input(fmt::format("{} {}: must lie between {} and {} {}", limit.option, limit.value,
+                                 limit.least, limit.most, limit.unit));
+  }
   if (!within(options.duration_s, 0.1, 3600)) {
     return bad_input(
         fmt::format("--duration {}: must lie between 0.1 and 3600 s", options.duration_s));

@@ -18,7 +18,19 @@ struct Arguments {
   std::string latency = "full";
   std::string zoom = "auto";
   std::string warper;
+  std::string border = "crop";
+  std::string path = "adaptive-hann";
+  std::string estimator = "ekf";
 };
+
+const std::map<std::string, Border> kBorders = {{"crop", Border::crop},
+                                                {"extend", Border::extend},
+                                                {"mirror", Border::mirror},
+                                                {"black", Border::black}};
+const std::map<std::string, PathKind> kPaths = {{"hann", PathKind::hann},
+                                                {"adaptive-hann", PathKind::adaptive_hann}};
+const std::map<std::string, WarperKind> kWarpers = {{"gles", WarperKind::gles},
+                                                    {"cpu", WarperKind::cpu}};
 
 template <typename Number>
 std::optional<Number> parse_whole(const std::string& text) {
@@ -53,18 +65,14 @@ Result<void> run(Arguments& arguments) {
   if (!zoom) return tl::unexpected(zoom.error());
   request.latency = *latency;
   request.zoom = *zoom;
-  if (arguments.warper == "gles") request.warper = WarperKind::gles;
-  if (arguments.warper == "cpu") request.warper = WarperKind::cpu;
+  if (!arguments.warper.empty()) request.warper = kWarpers.at(arguments.warper);
+  request.border = kBorders.at(arguments.border);
+  request.path = kPaths.at(arguments.path);
+  request.estimator = estimator_names().at(arguments.estimator);
   return stabilize_session(request);
 }
 
 void add_options(CLI::App& command, Arguments& arguments) {
-  static const std::map<std::string, Border> borders = {{"crop", Border::crop},
-                                                        {"extend", Border::extend},
-                                                        {"mirror", Border::mirror},
-                                                        {"black", Border::black}};
-  static const std::map<std::string, PathKind> paths = {{"hann", PathKind::hann},
-                                                        {"adaptive-hann", PathKind::adaptive_hann}};
   StabilizeRequest& request = arguments.request;
   command
       .add_option("session", request.session, "Session folder, or a video with a .gcsv beside it")
@@ -81,18 +89,18 @@ void add_options(CLI::App& command, Arguments& arguments) {
       ->capture_default_str();
   command.add_option("--zoom", arguments.zoom, "Fixed ratio, such as 1.15, or auto")
       ->capture_default_str();
-  command.add_option("--border", request.border, "What to show past the edge of the frame")
-      ->transform(CLI::CheckedTransformer(borders))
+  command.add_option("--border", arguments.border, "What to show past the edge of the frame")
+      ->transform(CLI::IsMember(names_of(kBorders)))
       ->option_text("crop|extend|mirror|black [crop]");
   command
       .add_option("--warper", arguments.warper, "What draws: gles or cpu (unset: gles, else cpu)")
-      ->check(CLI::IsMember({"gles", "cpu"}))
+      ->check(CLI::IsMember(names_of(kWarpers)))
       ->option_text("gles|cpu");
-  command.add_option("--estimator", request.estimator, "How orientation is estimated")
-      ->transform(CLI::CheckedTransformer(estimator_names()))
+  command.add_option("--estimator", arguments.estimator, "How orientation is estimated")
+      ->transform(CLI::IsMember(names_of(estimator_names())))
       ->option_text("ekf|thesis [ekf]");
-  command.add_option("--path", request.path, "How the camera's path is smoothed")
-      ->transform(CLI::CheckedTransformer(paths))
+  command.add_option("--path", arguments.path, "How the camera's path is smoothed")
+      ->transform(CLI::IsMember(names_of(kPaths)))
       ->option_text("hann|adaptive-hann [adaptive-hann]");
   command.add_flag_callback(
       "--rectify-only", [&request] { request.correction = Correction::rectify_only; },

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <iterator>
 #include <memory>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "daemon/gimbalctl/warnings.hpp"
 #include "drivers/replay/replay_camera.hpp"
 #include "drivers/replay/session.hpp"
+#include "drivers/replay/video_probe.hpp"
 #include "pipeline/path/steadiness.hpp"
 #include "pipeline/sink/frame_sink.hpp"
 #include "pipeline/stabilizer.hpp"
@@ -46,6 +48,18 @@ ZoomChoice zoom_choice(const StabilizeRequest& request) {
   return request.border == Border::crop ? ZoomChoice{1, kAutoZoomMost} : ZoomChoice{1, 1};
 }
 
+/// Frames a second by the stamps themselves: the median step counts, so that gaps do not.
+double rate_of(const std::vector<FrameStamp>& frames) {
+  if (frames.size() < 2) return kThesisFps;
+  std::vector<SensorDuration> steps;
+  for (std::size_t i = 1; i < frames.size(); ++i) {
+    steps.push_back(frames[i].time - frames[i - 1].time);
+  }
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return 1 / to_seconds(*middle);
+}
+
 /// What the path waits for is all that a limited latency allows.
 Lookahead lookahead(const StabilizeRequest& request) {
   return request.latency ? Lookahead::nothing() : Lookahead::everything();
@@ -63,7 +77,7 @@ std::unique_ptr<CameraPath> make_path(const StabilizeRequest& request, double fp
 class Job {
  public:
   Job(const StabilizeRequest& request, const Session& session)
-      : request_(request), session_(session) {}
+      : request_(request), session_(session), fps_(rate_of(session.frames)) {}
 
   [[nodiscard]] Result<void> run();
 
@@ -71,7 +85,9 @@ class Job {
   [[nodiscard]] Result<void> plan();
   [[nodiscard]] Result<void> open_streams();
   [[nodiscard]] Result<void> make_warper(ImageSize size);
+  [[nodiscard]] std::optional<AudioTrack> audio() const;
   [[nodiscard]] Result<void> write_all();
+  [[nodiscard]] Result<std::optional<VideoFrame>> next_frame();
   [[nodiscard]] Result<void> write_frame(const VideoFrame& frame);
   [[nodiscard]] Result<VideoFrame> draw(const VideoFrame& frame);
   [[nodiscard]] Result<VideoFrame> warp(const VideoFrame& frame, const WarpMesh& mesh);
@@ -83,11 +99,14 @@ class Job {
 
   const StabilizeRequest& request_;
   const Session& session_;
+  double fps_;
+  std::int64_t frames_with_border_ = 0;
   StabilizeReport report_;
 
   std::optional<Stabilizer> stabilizer_;  ///< none without a gyro: frames pass through
   std::vector<VirtualCamera> cameras_;    ///< one a frame stamp
   std::unique_ptr<ReplayCamera> source_;
+  std::optional<VideoFrame> first_frame_;  ///< read before the sink was opened
   std::unique_ptr<Warper> warper_;
   std::unique_ptr<FrameSink> sink_;
   std::optional<PathLog> path_log_;
@@ -101,8 +120,8 @@ Result<void> Job::run() {
   report_.estimator = request_.estimator == EstimatorKind::ekf ? "ekf" : "thesis";
   report_.path = request_.path == PathKind::hann ? "hann" : "adaptive-hann";
   report_.latency_frames = request_.latency;
-  if (request_.latency && session_.camera) {
-    report_.latency_s = static_cast<double>(*request_.latency) / session_.camera->fps;
+  if (request_.latency) {
+    report_.latency_s = static_cast<double>(*request_.latency) / fps_;
   }
   report_.warnings = session_.warnings;
   print_warnings(report_.warnings);
@@ -116,8 +135,23 @@ Result<void> Job::run() {
 /// The whole camera path, before the first picture is touched.
 Result<void> Job::plan() {
   if (session_.gyro.empty()) {
+    if (!request_.path_log.empty()) {
+      return bad_input(session_.folder.string() +
+                       ": no gyro samples, so no camera path to log: leave --path-log out");
+    }
     warn("no gyro samples: frames pass through as they are");
+    report_.estimator = "none";
+    report_.path = "none";
     return {};
+  }
+  const ReadoutDirection direction = session_.camera->readout_direction;
+  const bool by_rows =
+      direction == ReadoutDirection::top_down || direction == ReadoutDirection::bottom_up;
+  const int lines = by_rows ? session_.camera->size.height : session_.camera->size.width;
+  if (request_.reference_row &&
+      !(*request_.reference_row >= 0 && *request_.reference_row < lines)) {
+    return bad_input(fmt::format("--reference-row {}: must lie between 0 and {}",
+                                 *request_.reference_row, lines - 1));
   }
   StabilizerOptions options;
   options.border = request_.border;
@@ -126,7 +160,7 @@ Result<void> Job::plan() {
   options.reference_line = request_.reference_row;
   auto stabilizer = Stabilizer::create(*session_.camera, session_.imu,
                                        make_attitudes(request_.estimator, lookahead(request_)),
-                                       make_path(request_, session_.camera->fps), options);
+                                       make_path(request_, fps_), options);
   if (!stabilizer) return tl::unexpected(stabilizer.error());
   stabilizer_.emplace(std::move(*stabilizer));
 
@@ -168,8 +202,11 @@ Result<void> Job::open_streams() {
     if (!log) return tl::unexpected(log.error());
     path_log_.emplace(std::move(*log));
   }
-  source_ = std::make_unique<ReplayCamera>(session_.video, session_.frames,
-                                           session_.camera ? session_.camera->fps : 0);
+  if (!request_.report.empty() && !std::ofstream(request_.report)) {
+    return bad_input(fmt::format("{}: cannot write the report (does the folder exist?)",
+                                 request_.report.string()));
+  }
+  source_ = std::make_unique<ReplayCamera>(session_.video, session_.frames, fps_);
   if (auto started = source_->start(); !started) return started;
   const CameraFormat format = source_->format();
   if (stabilizer_ && format.size != session_.camera->size) {
@@ -180,8 +217,10 @@ Result<void> Job::open_streams() {
   if (stabilizer_) {
     if (auto made = make_warper(format.size); !made) return made;
   }
-  auto sink = open_sink(request_.out, {format.size, format.fps, format.color},
-                        AudioTrack{session_.video, {}});
+  auto first = report_.decode.measure([this] { return source_->read(); });
+  if (!first) return tl::unexpected(first.error());
+  first_frame_ = *std::move(first);
+  auto sink = open_sink(request_.out, {format.size, format.fps, format.color}, audio());
   if (!sink) return tl::unexpected(sink.error());
   sink_ = std::move(*sink);
   return {};
@@ -201,11 +240,23 @@ Result<void> Job::make_warper(ImageSize size) {
   return {};
 }
 
+/// The recording's audio, moved so that what was heard with the first written picture comes first.
+std::optional<AudioTrack> Job::audio() const {
+  const auto video = probe_video(session_.video);
+  if (!video || !video->has_audio) return std::nullopt;
+  return AudioTrack{session_.video, -source_->media_time()};
+}
+
+Result<std::optional<VideoFrame>> Job::next_frame() {
+  if (first_frame_) return std::exchange(first_frame_, std::nullopt);
+  return report_.decode.measure([this] { return source_->read(); });
+}
+
 Result<void> Job::write_all() {
   ProgressBar progress("stabilize", static_cast<std::int64_t>(session_.frames.size()),
                        request_.progress);
   while (true) {
-    const auto frame = report_.decode.measure([this] { return source_->read(); });
+    const auto frame = next_frame();
     if (!frame) return tl::unexpected(frame.error());
     if (!*frame) return {};
     ++report_.frames_in;
@@ -217,6 +268,9 @@ Result<void> Job::write_all() {
 Result<void> Job::write_frame(const VideoFrame& frame) {
   if (!stabilizer_) {
     ++report_.frames_out;
+    report_.zoom_sum += 1;
+    report_.zoom_most = 1;
+    report_.view_sum += 1;
     return report_.encode.measure([&] { return sink_->write(frame); });
   }
   const auto drawn = report_.warp.measure([&] { return draw(frame); });
@@ -252,6 +306,7 @@ void Job::note(const VirtualCamera& camera, std::int64_t border_px) {
   report_.view_sum += 1 / (zoom * zoom);
   report_.border_px += border_px;
   report_.border_px_most = std::max(report_.border_px_most, border_px);
+  if (border_px > 0) ++frames_with_border_;
   if (path_log_) path_log_->write(camera, border_px);
 }
 
@@ -261,6 +316,11 @@ Result<void> Job::finish() {
   }
   for (const std::string& warning : source_->warnings()) warn(warning);
   for (const std::string& warning : sink_->warnings()) warn(warning);
+  if (request_.border == Border::crop && frames_with_border_ > 0) {
+    warn(fmt::format("{} of {} frames show a black border at zoom {:.3g}: try {}",
+                     frames_with_border_, report_.frames_out, report_.zoom_most,
+                     request_.zoom ? "--zoom auto" : "a larger fixed --zoom"));
+  }
   if (path_log_) {
     if (auto finished = path_log_->finish(); !finished) return finished;
   }
@@ -303,8 +363,10 @@ Result<void> stabilize_session(const StabilizeRequest& request) {
     return bad_input(request.session.string() + ": no video in this session");
   }
   if (!session->camera && !session->gyro.empty()) {
-    return bad_input(request.session.string() +
-                     ": session.toml has no [camera] with K and readout_s; fill it in");
+    return bad_input(
+        request.session.string() +
+        ": the lens is not known: give K (and readout_s) under [camera] in session.toml; "
+        "a video with a .gcsv becomes a session by gimbalctl sessions import");
   }
   return Job(request, *session).run();
 }

@@ -73,6 +73,10 @@ Result<std::optional<VideoFrame>> ReplayCamera::read() {
                                  video_.string(), picture_, frame->size.width, frame->size.height,
                                  format_.size.width, format_.size.height));
   }
+  const GstClockTime media_time = GST_BUFFER_PTS(gst_sample_get_buffer(sample->get()));
+  if (GST_CLOCK_TIME_IS_VALID(media_time)) {
+    media_time_ = SensorDuration(static_cast<std::int64_t>(media_time));
+  }
   ++next_;
   ++picture_;
   return frame;

@@ -30,6 +30,10 @@ class ReplayCamera final : public CameraSource {
 
   void stop() override;
 
+  /// Where the picture that was read last lies on the video file's own clock: only for what else is
+  /// in that file, its audio.
+  [[nodiscard]] SensorDuration media_time() const { return media_time_; }
+
   /// Pictures left out since the frame list has no stamp for them. Known once `read` gave nothing.
   [[nodiscard]] std::int64_t frames_without_stamp() const { return frames_without_stamp_; }
 
@@ -52,6 +56,7 @@ class ReplayCamera final : public CameraSource {
   std::size_t next_ = 0;      ///< of the stamps
   std::int64_t picture_ = 0;  ///< place in the video of the next picture
   bool has_ended_ = false;
+  SensorDuration media_time_{};
   std::int64_t frames_without_stamp_ = 0;
   std::int64_t stamps_without_frame_ = 0;
   std::vector<std::string> warnings_;

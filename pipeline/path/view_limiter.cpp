@@ -84,11 +84,14 @@ Quaterniond at_level(const std::vector<WantedView>& views, std::size_t i, double
   return level == below ? q : q.slerp(level - below, whole(below + 1));
 }
 
-/// The first whole level that fits at `zoom`; the last, the real camera, if none does.
+/// The first whole level that fits at `zoom`; the last, the real camera, if none does. Where the
+/// real view is what is wanted, nothing takes its place.
 double fitting_level(const std::vector<WantedView>& views, std::size_t i, double zoom) {
+  constexpr double kSame_rad = 1e-6;
+  const WantedView& view = views[i];
+  if (view.q_world_steady.angularDistance(view.real.q_world_camera) < kSame_rad) return 0;
   double level = 0;
-  while (level < kHalfWidths_s.size() && needed(views[i], at_level(views, i, level)) > zoom)
-    ++level;
+  while (level < kHalfWidths_s.size() && needed(view, at_level(views, i, level)) > zoom) ++level;
   return level;
 }
 

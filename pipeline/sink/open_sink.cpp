@@ -13,13 +13,6 @@
 namespace gimbal {
 namespace {
 
-std::string lower_case_extension(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-  return extension;
-}
-
 Result<std::unique_ptr<FrameSink>> open_pipeline(const std::string& text, const SinkFormat& format,
                                                  std::vector<std::string> warnings) {
   auto pipeline =
@@ -53,6 +46,11 @@ Result<std::unique_ptr<FrameSink>> open_sink(const std::string& out, const SinkF
   }
   if (out.find(" ! ") != std::string::npos) {
     return open_pipeline(out, format, audio_left_out("pipeline", audio));
+  }
+  const std::filesystem::path folder = std::filesystem::path(out).parent_path();
+  std::error_code error;
+  if (!folder.empty() && !std::filesystem::is_directory(folder, error)) {
+    return bad_input(fmt::format("{}: there is no folder {}: make it first", out, folder.string()));
   }
   const std::string extension = lower_case_extension(out);
   if (extension == ".y4m") {

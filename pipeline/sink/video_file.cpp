@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cctype>
 #include <string>
 #include <utility>
 
@@ -22,7 +24,7 @@ struct Container {
 /// The muxers' own choice of time scale rounds to the nominal rate (.mp4) or to 1 ms (.mkv). A
 /// Matroska cluster spans at most 32767 ticks of its scale.
 Container container_of(const std::filesystem::path& path) {
-  if (path.extension() == ".mp4") {
+  if (lower_case_extension(path) == ".mp4") {
     return {"mp4mux", "trak-timescale=90000", "is incomplete and will not play"};
   }
   return {"matroskamux", "timecodescale=100000 max-cluster-duration=3000000000",
@@ -65,6 +67,13 @@ Result<std::unique_ptr<FrameSink>> start_file(const std::filesystem::path& path,
 }
 
 }  // namespace
+
+std::string lower_case_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
+  return extension;
+}
 
 Result<std::unique_ptr<FrameSink>> open_video_file(const std::filesystem::path& path,
                                                    const SinkFormat& format,

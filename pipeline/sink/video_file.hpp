@@ -2,10 +2,14 @@
 
 #include <filesystem>
 #include <optional>
+#include <string>
 
 #include "pipeline/sink/frame_sink.hpp"
 
 namespace gimbal {
+
+/// ".mp4" for "Holiday.MP4".
+[[nodiscard]] std::string lower_case_extension(const std::filesystem::path& path);
 
 /// H.264 in an .mp4 or .mkv, by the best encoder that is installed. Without B-frames, so that
 /// pictures are stored in the order of their times. Presentation times are rounded to 1/90000 s in

@@ -33,8 +33,8 @@ std::optional<std::vector<Vector2d>> seen_from(const FrameOutline& outline,
   const Eigen::Matrix3d R_camera_world = q_world_camera.conjugate().toRotationMatrix();
   std::vector<Vector2d> points;
   points.reserve(outline.rays_world.size());
-  for (const Vector3d& ray_world : outline.rays_world) {
-    const Vector3d ray = R_camera_world * ray_world;
+  for (const Eigen::Vector3f& ray_world : outline.rays_world) {
+    const Vector3d ray = R_camera_world * ray_world.cast<double>();
     if (ray.z() < kNearPlane) return std::nullopt;
     const Vector2d pixel(intrinsics.fx * ray.x() / ray.z() + intrinsics.cx,
                          intrinsics.fy * ray.y() / ray.z() + intrinsics.cy);
@@ -90,7 +90,7 @@ FrameOutline trace_outline(const Lens& lens, ImageSize size, ReadoutDirection di
       const Vector2d pixel = from + (to - from) * i / (points_per_side - 1);
       const double line = reads_rows(direction) ? pixel.y() : pixel.x();
       if (const auto ray = lens.unproject(pixel)) {
-        outline.rays_world.emplace_back(q_world_camera(line) * *ray);
+        outline.rays_world.emplace_back((q_world_camera(line) * *ray).cast<float>());
       }
     }
   }

@@ -15,7 +15,7 @@ namespace gimbal {
 /// The edge of a frame as a closed polygon of directions in the world, each from the camera as it
 /// was when that point's line was exposed.
 struct FrameOutline {
-  std::vector<Eigen::Vector3d> rays_world;
+  std::vector<Eigen::Vector3f> rays_world;  ///< floats: many frames may wait with theirs
 };
 
 /// `points_per_side` points along each side of the frame (at least 2), corners included once.

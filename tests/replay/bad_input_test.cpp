@@ -257,6 +257,9 @@ TEST_P(BadUsage, IsRefusedInOneLine) {
   EXPECT_EQ(run.exit_status, 2) << run.standard_error;
   EXPECT_EQ(test::lines_starting_with(run.standard_error, "gimbalctl: ").size(), 1U)
       << run.standard_error;
+  for (const char letter : run.standard_error) {
+    EXPECT_TRUE(static_cast<unsigned char>(letter) >= ' ' || letter == '\n') << run.standard_error;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(
@@ -274,6 +277,15 @@ INSTANTIATE_TEST_SUITE_P(
         Usage{"latency_negative", {"stabilize", "SESSION", "-o", "/tmp/x.mp4", "--latency", "-1"}},
         Usage{"zoom_below_one", {"stabilize", "SESSION", "-o", "/tmp/x.mp4", "--zoom", "0.5"}},
         Usage{"border_unknown", {"stabilize", "SESSION", "-o", "/tmp/x.mp4", "--border", "blue"}},
+        Usage{"border_is_a_number", {"stabilize", "SESSION", "-o", "/tmp/x.mp4", "--border", "3"}},
+        Usage{"estimator_unknown", {"orient", "SESSION", "-o", "-", "--estimator", "vqf"}},
+        Usage{"reference_row_outside",
+              {"stabilize", "SESSION", "-o", "/tmp/x.mp4", "--reference-row", "1e9"}},
+        Usage{"reference_row_nan",
+              {"stabilize", "SESSION", "-o", "/tmp/x.mp4", "--reference-row", "nan"}},
+        Usage{"lag_negative", {"orient", "SESSION", "-o", "-", "--lag", "-1"}},
+        Usage{"noise_is_nan", {"simulate", "-o", "/tmp/nowhere", "--gyro-noise", "nan"}},
+        Usage{"offset_beyond_time", {"simulate", "-o", "/tmp/nowhere", "--time-offset", "1e300"}},
         Usage{"orient_no_session", {"orient", "/nonexistent", "-o", "/tmp/x.csv"}},
         Usage{"report_unwritable",
               {"stabilize", "SESSION", "-o", "fakesink ! fakesink", "--report", "/nonexistent/r"}}),

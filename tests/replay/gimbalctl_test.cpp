@@ -1,0 +1,141 @@
+// The command line as scripts call it: what it writes, and what the files say.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "drivers/replay/video_probe.hpp"
+#include "tests/support/run_program.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace gimbal {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr int kLimit_s = 100;
+
+test::ProgramRun gimbalctl(std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), GIMBALCTL);
+  return test::run_program(arguments, kLimit_s);
+}
+
+std::vector<std::string> lines_of(const fs::path& file) {
+  std::ifstream stream(file);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(stream, line);) lines.push_back(line);
+  return lines;
+}
+
+class Gimbalctl : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const auto run = gimbalctl({"simulate", "-o", session(), "--size", "320x240", "--duration",
+                                "1.5", "--motion", "walk", "--quiet"});
+    ASSERT_EQ(run.exit_status, 0) << run.standard_error;
+  }
+
+  [[nodiscard]] std::string path(const std::string& name) const {
+    return (folder_.path() / name).string();
+  }
+  [[nodiscard]] std::string session() const { return path("session"); }
+
+  /// The report of a run that must succeed.
+  [[nodiscard]] Json stabilize(std::vector<std::string> options) const {
+    std::vector<std::string> arguments = {"stabilize", session(),  "--warper",
+                                          "cpu",       "--report", path("report.json")};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    const auto run = gimbalctl(arguments);
+    EXPECT_EQ(run.exit_status, 0) << run.standard_error;
+    return Json::parse(std::ifstream(path("report.json")));
+  }
+
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(Gimbalctl, StabilizesWithALogAndAReport) {
+  const Json report = stabilize({"-o", path("out.mp4"), "--path-log", path("path.csv")});
+  const auto video = probe_video(path("out.mp4"));
+  ASSERT_TRUE(video) << video.error().message;
+  const auto frames = lines_of(fs::path(session()) / "frames.csv").size() - 1;
+  EXPECT_EQ(report["frames"]["in"], frames);
+  EXPECT_EQ(report["frames"]["out"], frames);
+  EXPECT_EQ(report["border_px"]["total"], 0);
+  EXPECT_EQ(report["warper"], "cpu");
+  EXPECT_GE(report["zoom"], 1);
+  EXPECT_LT(report["rms_rate_above_1hz_rad_s"]["after"],
+            report["rms_rate_above_1hz_rad_s"]["before"]);
+  const auto log = lines_of(path("path.csv"));
+  ASSERT_EQ(log.size(), frames + 1);
+  EXPECT_EQ(log.front(), "index,t_s,qw,qx,qy,qz,fx,fy,cx,cy,border_px");
+  EXPECT_EQ(std::count(log.back().begin(), log.back().end(), ','), 10);
+}
+
+TEST_F(Gimbalctl, RectifyingAloneLeavesTheMotionWhateverTheZoom) {
+  for (const char* zoom : {"1", "1.3", "auto"}) {
+    const Json report = stabilize({"-o", path("out.mkv"), "--rectify-only", "--zoom", zoom});
+    const double before = report["rms_rate_above_1hz_rad_s"]["before"];
+    const double after = report["rms_rate_above_1hz_rad_s"]["after"];
+    EXPECT_NEAR(after, before, 1e-9) << zoom;
+  }
+}
+
+TEST_F(Gimbalctl, TheFrameRateNeedNotBeGiven) {
+  const Json given = stabilize({"-o", path("out.mkv")});
+  std::string toml;
+  for (const std::string& line : lines_of(fs::path(session()) / "session.toml")) {
+    if (!line.starts_with("fps")) toml += line + "\n";
+  }
+  std::ofstream(fs::path(session()) / "session.toml") << toml;
+  const Json not_given = stabilize({"-o", path("out.mkv")});
+  EXPECT_EQ(not_given["rms_rate_above_1hz_rad_s"], given["rms_rate_above_1hz_rad_s"]);
+}
+
+TEST_F(Gimbalctl, AContainerIsTakenFromTheEndingInAnyCase) {
+  (void)stabilize({"-o", path("OUT.MP4")});
+  std::ifstream file(path("OUT.MP4"), std::ios::binary);
+  std::string head(8, '\0');
+  file.read(head.data(), 8);
+  EXPECT_EQ(head.substr(4), "ftyp");
+}
+
+TEST_F(Gimbalctl, PicturesOnStandardOutputAreY4mAlone) {
+  const auto run = gimbalctl({"stabilize", session(), "-o", "-", "--warper", "cpu"});
+  EXPECT_EQ(run.exit_status, 0);
+  EXPECT_EQ(run.standard_error, "");
+  EXPECT_TRUE(run.standard_output.starts_with("YUV4MPEG2 W320 H240 "));
+}
+
+TEST_F(Gimbalctl, SteadyVideosAreListedWithTheirSession) {
+  (void)stabilize({"-o", path("steady.mkv"), "--zoom", "1.25"});
+  const auto shown = gimbalctl({"sessions", "show", "--json", session()});
+  EXPECT_EQ(shown.exit_status, 0) << shown.standard_error;
+  const Json listed = Json::parse(shown.standard_output)["stabilized"];
+  ASSERT_EQ(listed.size(), 1U);
+  EXPECT_NEAR(listed[0]["zoom"], 1.25, 1e-9);
+  fs::remove(path("steady.mkv"));
+  const auto gone = gimbalctl({"sessions", "show", "--json", session()});
+  EXPECT_EQ(Json::parse(gone.standard_output)["stabilized"].size(), 0U);
+}
+
+TEST_F(Gimbalctl, OrientationsComeAtTheGyrosStamps) {
+  const auto gyro = lines_of(fs::path(session()) / "gyro.csv").size();
+  for (const std::vector<std::string>& how : std::vector<std::vector<std::string>>{
+           {}, {"--causal"}, {"--lag", "0.5"}, {"--estimator", "thesis"}}) {
+    std::vector<std::string> arguments = {"orient", session(), "-o", path("orientation.csv")};
+    arguments.insert(arguments.end(), how.begin(), how.end());
+    const auto run = gimbalctl(arguments);
+    EXPECT_EQ(run.exit_status, 0) << run.standard_error;
+    EXPECT_EQ(lines_of(path("orientation.csv")).size(), gyro);
+  }
+}
+
+}  // namespace
+}  // namespace gimbal
