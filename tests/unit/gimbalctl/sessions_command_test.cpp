@@ -20,17 +20,17 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-struct Run {
+struct CommandRun {
   int status = -1;
   std::string out;
   std::string err;
 };
 
 /// Runs gimbalctl with the words given, as a script outside the project would.
-Run gimbalctl(const TemporaryFolder& folder, const std::string& words) {
+CommandRun gimbalctl(const TemporaryFolder& folder, const std::string& words) {
   const std::string err = (folder.path() / "stderr").string();
   const std::string line = std::string(GIMBALCTL) + " " + words + " 2>" + err;
-  Run run;
+  CommandRun run;
   std::FILE* const pipe = ::popen(line.c_str(), "r");
   std::array<char, 4096> buffer{};
   while (const std::size_t count = std::fread(buffer.data(), 1, buffer.size(), pipe)) {
@@ -66,7 +66,7 @@ void write_session(const TemporaryFolder& folder) {
 TEST(SessionsCommand, ShowsWhatASessionHolds) {
   const TemporaryFolder folder;
   write_session(folder);
-  const Run run = gimbalctl(folder, "sessions show " + (folder.path() / "walk").string());
+  const CommandRun run = gimbalctl(folder, "sessions show " + (folder.path() / "walk").string());
   EXPECT_EQ(run.status, 0);
   EXPECT_THAT(run.err, "");
   EXPECT_THAT(
@@ -82,7 +82,8 @@ TEST(SessionsCommand, ShowsWhatASessionHolds) {
 TEST(SessionsCommand, ShowsTheSameToPrograms) {
   const TemporaryFolder folder;
   write_session(folder);
-  const Run run = gimbalctl(folder, "sessions show --json " + (folder.path() / "walk").string());
+  const CommandRun run =
+      gimbalctl(folder, "sessions show --json " + (folder.path() / "walk").string());
   ASSERT_EQ(run.status, 0);
   const auto json = nlohmann::json::parse(run.out);
   EXPECT_EQ(json.at("device"), "iPod");
@@ -103,7 +104,7 @@ TEST(SessionsCommand, ListsAFolderAndSaysWhichCannotBeOpened) {
   write_session(folder);
   folder.write("broken/session.toml", "width = = 3\n");
   folder.write("not-a-session/file", "x");
-  const Run run = gimbalctl(folder, "sessions list " + folder.path().string());
+  const CommandRun run = gimbalctl(folder, "sessions list " + folder.path().string());
   EXPECT_EQ(run.status, 0);
   EXPECT_THAT(run.out, AllOf(HasSubstr("walk  2011-03-01T12:00:00Z  0.4 s  10 frames  iPod"),
                              HasSubstr("broken  cannot be opened: "), HasSubstr("line 1"),
@@ -119,7 +120,7 @@ TEST(SessionsCommand, EndsWithTwoAndOneLineForBadInput) {
         std::string("sessions show /nowhere"), std::string("sessions list /nowhere"),
         "sessions import " + walk, "sessions import " + walk + " -o " + walk,
         std::string("sessions import /nowhere -o ") + walk, "sessions show --unknown " + walk}) {
-    const Run run = gimbalctl(folder, words);
+    const CommandRun run = gimbalctl(folder, words);
     EXPECT_EQ(run.status, 2) << words;
     EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
     EXPECT_EQ(run.out, "") << words;
@@ -134,7 +135,7 @@ TEST(SessionsCommand, ImportsIntoASessionThatItCanShow) {
   }
   folder.write("imu.txt", log);
   const std::string session = (folder.path() / "s").string();
-  const Run run = gimbalctl(
+  const CommandRun run = gimbalctl(
       folder, "sessions import " + (folder.path() / "imu.txt").string() + " -o " + session);
   EXPECT_EQ(run.status, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("20 at 400.0 Hz"));

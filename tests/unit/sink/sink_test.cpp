@@ -240,8 +240,8 @@ TEST_P(BadOutputTest, SaysInOneLineWhatIsWrong) {
 INSTANTIATE_TEST_SUITE_P(
     Outputs, BadOutputTest,
     ::testing::Values(
-        BadOutput{"NoFolderMp4", "FOLDER/no/out.mp4", Error::Kind::bad_input, "No such file"},
-        BadOutput{"NoFolderY4m", "FOLDER/no/out.y4m", Error::Kind::bad_input, "No such file"},
+        BadOutput{"NoFolderMp4", "FOLDER/no/out.mp4", Error::Kind::bad_input, "there is no folder"},
+        BadOutput{"NoFolderY4m", "FOLDER/no/out.y4m", Error::Kind::bad_input, "there is no folder"},
         BadOutput{"UnknownEnding", "FOLDER/out.avi", Error::Kind::bad_input, ".mp4, .mkv or .y4m"},
         BadOutput{"NoEnding", "FOLDER/out", Error::Kind::bad_input, ".mp4, .mkv or .y4m"},
         BadOutput{"FullMp4", "FOLDER/full.mp4", Error::Kind::failed, "is incomplete"},
