@@ -49,12 +49,12 @@ Result<std::unique_ptr<FrameSink>> start_file(const std::filesystem::path& path,
   const AudioPlan plan = audio ? plan_audio(*audio, container.muxer) : AudioPlan{};
   auto pipeline = parse_pipeline(
       fmt::format("appsrc name={} ! videoconvert ! {} ! muxer.video_0 {} name=muxer {} ! filesink "
-                  "name=file {}",
+                  "name=output {}",
                   kFrameSourceName, encoder, container.muxer, container.settings, plan.text));
   if (!pipeline) {
     return tl::unexpected(pipeline.error());
   }
-  g_object_set(element_named(*pipeline, "file").get(), "location", path.c_str(), nullptr);
+  g_object_set(element_named(*pipeline, "output").get(), "location", path.c_str(), nullptr);
   if (!plan.text.empty()) {
     target.audio = std::make_unique<AudioBranch>(*pipeline, *audio);
   }
