@@ -8,7 +8,9 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/sink/audio_branch.hpp"
 #include "pipeline/sink/frame_sink.hpp"
+#include "pipeline/sink/gstreamer_sink.hpp"
 #include "tests/support/gst_playback.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/test_pictures.hpp"
@@ -80,12 +82,13 @@ std::vector<double> onsets(const std::filesystem::path& path) {
   return found;
 }
 
-std::vector<std::vector<std::uint8_t>> coded_audio(const std::filesystem::path& path,
-                                                   const std::string& demuxer) {
+std::vector<std::vector<std::uint8_t>> coded_stream(const std::filesystem::path& path,
+                                                    const std::string& demuxer,
+                                                    const std::string& pad) {
   std::vector<std::vector<std::uint8_t>> packets;
-  for (auto& buffer : test::play(fmt::format("filesrc location={} ! {} name=d d.audio_0 ! queue ! "
+  for (auto& buffer : test::play(fmt::format("filesrc location={} ! {} name=d d.{} ! queue ! "
                                              "appsink name=out",
-                                             path.string(), demuxer))
+                                             path.string(), demuxer, pad))
                           .buffers) {
     packets.push_back(std::move(buffer.bytes));
   }
@@ -159,8 +162,8 @@ TEST_P(AudioTest, GoesUnchangedWhereTheContainerTakesIt) {
     return;
   }
   EXPECT_THAT(*warnings, IsEmpty());
-  auto recorded = coded_audio(recording_, GetParam().recording_demuxer);
-  const auto written = coded_audio(out_, output_demuxer());
+  auto recorded = coded_stream(recording_, GetParam().recording_demuxer, "audio_0");
+  const auto written = coded_stream(out_, output_demuxer(), "audio_0");
   ASSERT_LT(written.size(), recorded.size());
   ASSERT_GT(written.size(), recorded.size() / 2);
   recorded.erase(recorded.begin(), recorded.end() - std::ssize(written));
@@ -169,6 +172,64 @@ TEST_P(AudioTest, GoesUnchangedWhereTheContainerTakesIt) {
 
 INSTANTIATE_TEST_SUITE_P(Codecs, AudioTest, ::testing::ValuesIn(kCases),
                          [](const auto& audio) -> std::string { return audio.param.name; });
+
+TEST(DamagedAudioTest, PicturesAreWrittenToTheEnd) {
+  const test::TemporaryFolder folder;
+  const auto recording = folder.path() / "recording.mkv";
+  make_recording(recording, "opusenc", "matroskamux");
+  std::filesystem::resize_file(recording, std::filesystem::file_size(recording) / 2);
+  const auto out = folder.path() / "out.mp4";
+  const auto warnings = write_with_audio(out, {recording, {}});
+  ASSERT_TRUE(warnings) << warnings.error().message;
+  EXPECT_EQ(coded_stream(out, "qtdemux", "video_0").size(), 40U);
+  EXPECT_GT(coded_stream(out, "qtdemux", "audio_0").size(), 50U);
+}
+
+TEST(DamagedAudioTest, NoRecordingIsAWarning) {
+  const test::TemporaryFolder folder;
+  folder.write("text.mp4", "This is not a video.\n");
+  for (const char* name : {"text.mp4", "missing.mp4"}) {
+    const auto out = folder.path() / "out.mkv";
+    const auto warnings = write_with_audio(out, {folder.path() / name, {}});
+    ASSERT_TRUE(warnings) << warnings.error().message;
+    ASSERT_EQ(warnings->size(), 1U);
+    EXPECT_THAT(warnings->front(), HasSubstr("its audio is left out"));
+    EXPECT_EQ(coded_stream(out, "matroskademux", "video_0").size(), 40U);
+  }
+}
+
+TEST(DamagedAudioTest, ErrorOnTheWayEndsTheAudioOnly) {
+  const test::TemporaryFolder folder;
+  const auto recording = folder.path() / "recording.mkv";
+  make_recording(recording, "opusenc", "matroskamux");
+  const AudioTrack track{recording, {}};
+  const auto out = folder.path() / "out.mkv";
+  SinkPipeline target;
+  target.pipeline = *parse_pipeline(fmt::format(
+      "appsrc name={} ! jpegenc ! muxer.video_0 matroskamux name=muxer ! filesink location={} {}",
+      kFrameSourceName, out.string(), plan_audio(track, "matroskamux").text));
+  target.audio = std::make_unique<AudioBranch>(target.pipeline, track);
+  const GstElementPtr parser = element_named(target.pipeline, "audio_parser");
+  auto sink = GstreamerSink::start(std::move(target), {{64, 48}, 10, {}});
+  ASSERT_TRUE(sink) << sink.error().message;
+  for (int index = 0; index < 40; ++index) {
+    if (index == 10) {
+      gst_element_post_message(
+          parser.get(),
+          gst_message_new_error(GST_OBJECT(parser.get()),
+                                g_error_new(GST_STREAM_ERROR, GST_STREAM_ERROR_DEMUX, "damaged"),
+                                nullptr));
+    }
+    const SensorTime time(index * kFrameInterval);
+    const auto written = (*sink)->write(test::test_picture({64, 48}, {index, time, {}}));
+    ASSERT_TRUE(written) << written.error().message;
+  }
+  const auto finished = (*sink)->finish();
+  ASSERT_TRUE(finished) << finished.error().message;
+  ASSERT_EQ((*sink)->warnings().size(), 1U);
+  EXPECT_THAT((*sink)->warnings()[0], HasSubstr("could not be read to its end"));
+  EXPECT_EQ(coded_stream(out, "matroskademux", "video_0").size(), 40U);
+}
 
 }  // namespace
 }  // namespace gimbal
