@@ -22,8 +22,8 @@ class ReplayImu final : public ImuSource {
  private:
   std::vector<GyroSample> gyro_;
   std::vector<AccelSample> accel_;
-  std::size_t next_gyro_;
-  std::size_t next_accel_;
+  std::size_t next_gyro_ = 0;
+  std::size_t next_accel_ = 0;
 };
 
 }  // namespace gimbal

@@ -41,7 +41,7 @@ class ByteView {
   [[nodiscard]] std::string text() const;
 
  private:
-  std::optional<std::uint64_t> big_endian(std::size_t offset, std::size_t size) const;
+  [[nodiscard]] std::optional<std::uint64_t> big_endian(std::size_t offset, std::size_t size) const;
 
   std::span<const std::uint8_t> bytes_;
 };

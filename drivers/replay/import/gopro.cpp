@@ -160,7 +160,7 @@ std::vector<TimedVector> spread(const std::vector<StreamBlock>& blocks,
 
 /// Order of axes in the stored columns of cameras that do not say it (ORIN), by the same source.
 std::string default_orientation(const std::string& device) {
-  return device.find("6") != std::string::npos ? "YxZ" : "ZXY";
+  return device.find('6') != std::string::npos ? "YxZ" : "ZXY";
 }
 
 /// Takes stored columns to GoPro's axes: "YxZ" stands for columns y, -x, z.

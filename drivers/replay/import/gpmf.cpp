@@ -132,10 +132,12 @@ GpmfStream parse_stream(ByteView content) {
     if (item.key == four_cc("GPSF") && item.data.size() >= 4) gps_fix = *item.data.u32(0);
     if (item.key == four_cc("GPSU") && gps_fix >= kFixOf2d) stream.utc = item.data.text();
   }
-  if (items.empty() || size_of_number(items.back().type) == 0) return stream;
+  if (items.empty()) return stream;
   const Item& data = items.back();
+  const std::size_t number_size = size_of_number(data.type);
+  if (number_size == 0 || data.sample_size < number_size) return stream;
   stream.key = data.key;
-  stream.columns = data.sample_size / size_of_number(data.type);
+  stream.columns = data.sample_size / number_size;
   stream.values = numbers_of(data);
   divide(stream.values, stream.columns, divisors);
   return stream;

@@ -79,6 +79,7 @@ Result<std::vector<Sample>> read_samples(const std::filesystem::path& path, std:
 double unit_m_s2(const std::vector<AccelSample>& accel) {
   constexpr double kBetween = 4.0;
   std::vector<double> magnitudes;
+  magnitudes.reserve(accel.size());
   for (const AccelSample& sample : accel) magnitudes.push_back(sample.accel_m_s2.norm());
   const auto middle = magnitudes.begin() + std::ssize(magnitudes) / 2;
   std::nth_element(magnitudes.begin(), middle, magnitudes.end());

@@ -259,6 +259,15 @@ TEST(ImportGoPro, SurvivesAFileCutAnywhere) {
   }
 }
 
+TEST(Gpmf, SamplesSmallerThanTheirNumbersAreNone) {
+  const std::string text = payload(
+      nested("STRM", klv("SCAL", 'c', 1, "none") + klv("GYRO", 'd', 4, std::string(16, 'x'))));
+  const std::vector<std::uint8_t> bytes(text.begin(), text.end());
+  const std::vector<GpmfDevice> devices = parse_gpmf(ByteView(bytes));
+  ASSERT_EQ(devices.size(), 1U);
+  EXPECT_EQ(devices[0].streams.at(0).sample_count(), 0U);
+}
+
 TEST(Gpmf, SurvivesDamage) {
   const std::string good = payload(stream(stmp(80'000), "YxZ", 100, "GYRO", vectors(20)) +
                                    exposures(stmp(85'000), 30) + readouts());
