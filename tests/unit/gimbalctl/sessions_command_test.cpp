@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -61,6 +62,7 @@ void write_session(const TemporaryFolder& folder) {
   folder.write("walk/stabilized/other.mkv", "x");
   folder.write("walk/stabilized/other.json", "[not a report");
   folder.write("walk/stabilized/notes.txt", "x");
+  std::filesystem::create_symlink("/nowhere/gone.mp4", folder.path() / "walk/stabilized/gone.mp4");
 }
 
 TEST(SessionsCommand, ShowsWhatASessionHolds) {
@@ -76,7 +78,8 @@ TEST(SessionsCommand, ShowsWhatASessionHolds) {
             HasSubstr("50 at 100.0 Hz, 0.000 to 0.490 s"), HasSubstr("10 at 25.0 Hz"),
             HasSubstr("duration     0.36 s"), HasSubstr("video.mkv"), HasSubstr("thumbnail.jpg")));
   EXPECT_THAT(run.out, AllOf(HasSubstr("half.mp4 (1.5 MB, amount 0.50, zoom 1.150)"),
-                             HasSubstr("other.mkv (0.0 MB)"), Not(HasSubstr("notes.txt"))));
+                             HasSubstr("other.mkv (0.0 MB)"), Not(HasSubstr("notes.txt")),
+                             Not(HasSubstr("gone.mp4"))));
 }
 
 TEST(SessionsCommand, ShowsTheSameToPrograms) {
