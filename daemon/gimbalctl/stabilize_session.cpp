@@ -15,7 +15,6 @@
 #include "daemon/gimbalctl/warnings.hpp"
 #include "drivers/replay/replay_camera.hpp"
 #include "drivers/replay/session.hpp"
-#include "drivers/replay/video_probe.hpp"
 #include "pipeline/path/steadiness.hpp"
 #include "pipeline/sink/frame_sink.hpp"
 #include "pipeline/stabilizer.hpp"
@@ -85,7 +84,7 @@ class Job {
   [[nodiscard]] Result<void> plan();
   [[nodiscard]] Result<void> open_streams();
   [[nodiscard]] Result<void> make_warper(ImageSize size);
-  [[nodiscard]] std::optional<AudioTrack> audio() const;
+  [[nodiscard]] AudioTrack audio() const;
   [[nodiscard]] Result<void> write_all();
   [[nodiscard]] Result<std::optional<VideoFrame>> next_frame();
   [[nodiscard]] Result<void> write_frame(const VideoFrame& frame);
@@ -144,10 +143,7 @@ Result<void> Job::plan() {
     report_.path = "none";
     return {};
   }
-  const ReadoutDirection direction = session_.camera->readout_direction;
-  const bool by_rows =
-      direction == ReadoutDirection::top_down || direction == ReadoutDirection::bottom_up;
-  const int lines = by_rows ? session_.camera->size.height : session_.camera->size.width;
+  const int lines = line_count(session_.camera->size, session_.camera->readout_direction);
   if (request_.reference_row &&
       !(*request_.reference_row >= 0 && *request_.reference_row < lines)) {
     return bad_input(fmt::format("--reference-row {}: must lie between 0 and {}",
@@ -241,10 +237,8 @@ Result<void> Job::make_warper(ImageSize size) {
 }
 
 /// The recording's audio, moved so that what was heard with the first written picture comes first.
-std::optional<AudioTrack> Job::audio() const {
-  const auto video = probe_video(session_.video);
-  if (!video || !video->has_audio) return std::nullopt;
-  return AudioTrack{session_.video, -source_->media_time()};
+AudioTrack Job::audio() const {
+  return {session_.video, -source_->media_time()};
 }
 
 Result<std::optional<VideoFrame>> Job::next_frame() {

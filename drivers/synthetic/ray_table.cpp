@@ -5,9 +5,7 @@
 namespace gimbal {
 
 LineAxis line_axis(ReadoutDirection direction) {
-  const bool reads_rows =
-      direction == ReadoutDirection::top_down || direction == ReadoutDirection::bottom_up;
-  return reads_rows ? LineAxis::rows : LineAxis::columns;
+  return reads_rows(direction) ? LineAxis::rows : LineAxis::columns;
 }
 
 int line_count(ImageSize size, LineAxis axis) {

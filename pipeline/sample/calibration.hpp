@@ -23,6 +23,16 @@ struct LensParameters {
 /// Which edge of the picture is read first.
 enum class ReadoutDirection : std::uint8_t { top_down, bottom_up, left_right, right_left };
 
+/// Whether what is exposed at one instant is a row; otherwise it is a column.
+constexpr bool reads_rows(ReadoutDirection direction) {
+  return direction == ReadoutDirection::top_down || direction == ReadoutDirection::bottom_up;
+}
+
+/// Lines of a picture along its readout: its rows, or its columns.
+constexpr int line_count(ImageSize size, ReadoutDirection direction) {
+  return reads_rows(direction) ? size.height : size.width;
+}
+
 /// Which instant of a frame its stamp names.
 enum class TimestampReference : std::uint8_t { readout_start, exposure_start, readout_end };
 

@@ -131,6 +131,11 @@ AudioPlan plan_for(const AudioTrack& track, const GstCapsPtr& audio, const char*
 
 }  // namespace
 
+bool has_audio(const AudioTrack& track) {
+  const auto audio = find_audio(track.file);
+  return audio && *audio;
+}
+
 AudioPlan plan_audio(const AudioTrack& track, const char* muxer_element) {
   auto audio = find_audio(track.file);
   if (!audio) {

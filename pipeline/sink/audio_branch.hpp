@@ -17,6 +17,9 @@ struct AudioPlan {
   std::string warning;
 };
 
+/// Whether there is any audio in the recording; false if that cannot be told.
+[[nodiscard]] bool has_audio(const AudioTrack& track);
+
 /// Looks at the recording's first audio stream. It goes in as it is coded if the muxer (by the name
 /// `muxer` in the text, an element of type `muxer_element`) takes it, and re-encoded as AAC if not.
 [[nodiscard]] AudioPlan plan_audio(const AudioTrack& track, const char* muxer_element);

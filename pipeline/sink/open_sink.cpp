@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "pipeline/gstreamer/gst_runtime.hpp"
+#include "pipeline/sink/audio_branch.hpp"
 #include "pipeline/sink/frame_sink.hpp"
 #include "pipeline/sink/gstreamer_sink.hpp"
 #include "pipeline/sink/video_file.hpp"
@@ -28,7 +29,7 @@ Result<std::unique_ptr<FrameSink>> open_pipeline(const std::string& text, const 
 
 std::vector<std::string> audio_left_out(const std::string& out,
                                         const std::optional<AudioTrack>& audio) {
-  if (!audio) {
+  if (!audio || !has_audio(*audio)) {
     return {};
   }
   return {fmt::format("{}: the recording's audio is left out; only .mp4 and .mkv take it", out)};

@@ -8,11 +8,12 @@
 namespace gimbal {
 namespace {
 
-class CausalStream : public AttitudeStream {
+template <typename Filter>
+class CausalStream final : public AttitudeStream {
  public:
-  explicit CausalStream(std::unique_ptr<Estimator> estimator) : estimator_(std::move(estimator)) {}
+  explicit CausalStream(std::unique_ptr<Filter> filter) : filter_(std::move(filter)) {}
 
-  void push(const ImuSample& sample) override { ready_.push_back(estimator_->update(sample)); }
+  void push(const ImuSample& sample) override { ready_.push_back(filter_->update(sample)); }
 
   void finish() override {}
 
@@ -23,24 +24,16 @@ class CausalStream : public AttitudeStream {
     return attitude;
   }
 
-  [[nodiscard]] std::string_view suspicion() const override { return {}; }
-
- private:
-  std::unique_ptr<Estimator> estimator_;
-  std::deque<Attitude> ready_;
-};
-
-class CausalEkfStream final : public CausalStream {
- public:
-  explicit CausalEkfStream(std::unique_ptr<AttitudeEkf> ekf, const AttitudeEkf& same)
-      : CausalStream(std::move(ekf)), ekf_(same) {}
-
   [[nodiscard]] std::string_view suspicion() const override {
-    return describe(ekf_.plausibility());
+    if constexpr (requires { filter_->plausibility(); }) {
+      return describe(filter_->plausibility());
+    }
+    return {};
   }
 
  private:
-  const AttitudeEkf& ekf_;  ///< the one that the base owns
+  std::unique_ptr<Filter> filter_;
+  std::deque<Attitude> ready_;
 };
 
 class SmoothedStream final : public AttitudeStream {
@@ -67,13 +60,11 @@ class SmoothedStream final : public AttitudeStream {
 }  // namespace
 
 std::unique_ptr<AttitudeStream> make_causal_stream(std::unique_ptr<Estimator> estimator) {
-  return std::make_unique<CausalStream>(std::move(estimator));
+  return std::make_unique<CausalStream<Estimator>>(std::move(estimator));
 }
 
 std::unique_ptr<AttitudeStream> make_causal_stream(const AttitudeEkfParameters& parameters) {
-  auto ekf = std::make_unique<AttitudeEkf>(parameters);
-  const AttitudeEkf& same = *ekf;
-  return std::make_unique<CausalEkfStream>(std::move(ekf), same);
+  return std::make_unique<CausalStream<AttitudeEkf>>(std::make_unique<AttitudeEkf>(parameters));
 }
 
 std::unique_ptr<AttitudeStream> make_smoothed_stream(const FixedLagSmootherParameters& parameters) {

@@ -5,10 +5,6 @@
 namespace gimbal {
 namespace {
 
-bool reads_columns(ReadoutDirection direction) {
-  return direction == ReadoutDirection::left_right || direction == ReadoutDirection::right_left;
-}
-
 bool reads_backwards(ReadoutDirection direction) {
   return direction == ReadoutDirection::bottom_up || direction == ReadoutDirection::right_left;
 }
@@ -36,7 +32,7 @@ RowTiming::RowTiming(const CameraCalibration& camera)
       time_offset_(camera.time_offset),
       reference_(camera.timestamp),
       direction_(camera.readout_direction),
-      line_count_(reads_columns(direction_) ? camera.size.width : camera.size.height) {}
+      line_count_(gimbal::line_count(camera.size, direction_)) {}
 
 SensorTime RowTiming::time_of_line(const FrameStamp& stamp, double line) const {
   // An unknown exposure counts as none: the stamp then stands for an instant of light.

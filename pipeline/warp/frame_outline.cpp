@@ -14,10 +14,6 @@ using Eigen::Vector3d;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-bool reads_rows(ReadoutDirection direction) {
-  return direction == ReadoutDirection::top_down || direction == ReadoutDirection::bottom_up;
-}
-
 Vector2d center_of(ImageSize size) {
   return {(size.width - 1) / 2.0, (size.height - 1) / 2.0};
 }

@@ -27,10 +27,6 @@ Lines grid_lines(int length_px, int cells, double ring_px) {
   return lines;
 }
 
-bool reads_rows(ReadoutDirection direction) {
-  return direction == ReadoutDirection::top_down || direction == ReadoutDirection::bottom_up;
-}
-
 /// For each grid line along the readout axis, the turn from the camera at that line to the virtual
 /// camera.
 std::vector<Eigen::Matrix3d> turns_to_virtual(const Lines& lines, int length_px,

@@ -23,9 +23,7 @@ Vector2d pixel_of(const Vector3d& ray, const PinholeIntrinsics& k) {
 }
 
 double line_of(const Vector2d& source_px, ReadoutDirection direction) {
-  const bool rows =
-      direction == ReadoutDirection::top_down || direction == ReadoutDirection::bottom_up;
-  return rows ? source_px.y() : source_px.x();
+  return reads_rows(direction) ? source_px.y() : source_px.x();
 }
 
 }  // namespace
