@@ -124,7 +124,8 @@ Storey storey_of(double up_m) {
 }
 
 std::uint64_t salt_of(const House& house, int storey, int bay) {
-  return stream_seed(house.salt, static_cast<std::uint64_t>(storey * 64 + bay));
+  return stream_seed(house.salt,
+                     static_cast<std::uint64_t>(storey) * 64 + static_cast<std::uint64_t>(bay));
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ struct MotionState {
 /// Control points of a motion, evenly spaced in time, as many of the one as of the other.
 struct MotionKnots {
   SensorTime first;
-  SensorDuration spacing;
+  SensorDuration spacing{};
   std::vector<Eigen::Quaterniond> q_world_camera;
   std::vector<Eigen::Vector3d> acceleration_m_s2;
 };

@@ -34,20 +34,19 @@ class Panorama {
   Panorama& operator=(const Panorama&) = delete;
   ~Panorama();
 
-  /// Adds what each ray sees, times `weight`, to `light` (red, green, blue a ray, linear, 0 to 1).
-  /// Threads may share a panorama.
+  /// Adds what each ray sees, times `weight`, to `light`, one a ray. Threads may share a panorama.
   void add_light(const RayLine& rays, const Eigen::Matrix3f& R_world_camera, float weight,
-                 std::span<Eigen::Vector3f> light) const;
+                 std::span<Light> light) const;
 
  private:
   static constexpr int kTileSide = 64;
   static constexpr int kNodeSide = kTileSide + 1;  // neighbours share their edge's texels
 
-  /// Square root of linear light in 8 bits: close to how the eye and video divide the range.
-  struct Texel {
-    std::uint8_t red, green, blue, unused;
-  };
-  using Tile = std::array<Texel, std::size_t{kNodeSide} * kNodeSide>;
+  using Tile = std::array<Light, std::size_t{kNodeSide} * kNodeSide>;
+
+  [[nodiscard]] static constexpr std::size_t node(int column, int row) {
+    return static_cast<std::size_t>(row) * kNodeSide + static_cast<std::size_t>(column);
+  }
 
   struct TilePlace {
     int face;
@@ -57,8 +56,8 @@ class Panorama {
 
   [[nodiscard]] const Tile& tile(const TilePlace& place) const;
   [[nodiscard]] std::unique_ptr<const Tile> make_tile(const TilePlace& place) const;
-  [[nodiscard]] Texel look(int face, double column, double row) const;
-  [[nodiscard]] Eigen::Vector3f sample(const Eigen::Vector3f& direction) const;
+  [[nodiscard]] Light look(int face, double column, double row) const;
+  [[nodiscard]] Light sample(const Eigen::Vector3f& direction) const;
 
   std::shared_ptr<const Scene> scene_;
   int samples_per_side_;

@@ -21,20 +21,20 @@ float transfer(float light) {
 class TransferTable {
  public:
   TransferTable() {
-    for (std::size_t i = 0; i < table_.size(); ++i) {
-      const float root = static_cast<float>(i) / kLast;
+    for (std::size_t i = 0; i < kSteps; ++i) {
+      const float root = (static_cast<float>(i) + 0.5F) / kSteps;
       table_[i] = transfer(root * root);
     }
   }
 
   [[nodiscard]] float operator()(float light) const {
-    const float root = std::sqrt(std::clamp(light, 0.0F, 1.0F));
-    return table_[static_cast<std::size_t>(root * kLast + 0.5F)];
+    constexpr float kBelowOne = 1.0F - 1e-6F;
+    return table_[static_cast<std::size_t>(std::sqrt(std::clamp(light, 0.0F, kBelowOne)) * kSteps)];
   }
 
  private:
-  static constexpr float kLast = 4095.0F;
-  std::array<float, 4096> table_{};
+  static constexpr std::size_t kSteps = 4096;  // a sixteenth of a luma step each
+  std::array<float, kSteps> table_{};
 };
 
 const TransferTable& transfer_table() {
@@ -66,8 +66,8 @@ struct FullChroma {
 };
 
 /// Writes a line as BT.709 with video range (ITU-R BT.709-6, items 3.2 to 3.4 and 4.6).
-void encode_line(std::span<const Eigen::Vector3f> light, LineAxis axis, int line,
-                 const MutablePlane& luma, FullChroma& chroma) {
+void encode_line(std::span<const Light> light, LineAxis axis, int line, const MutablePlane& luma,
+                 FullChroma& chroma) {
   const TransferTable& signal_of = transfer_table();
   for (std::size_t i = 0; i < light.size(); ++i) {
     const int x = axis == LineAxis::rows ? static_cast<int>(i) : line;
@@ -89,12 +89,12 @@ void halve_chroma_row(const FullChroma& full, ImageSize size, int row, const Mut
   for (int i = 0; i < chroma_size(size).width; ++i) {
     const int left = std::max(2 * i - 1, 0);
     const int right = std::min(2 * i + 1, size.width - 1);
+    std::uint8_t* const pair = chroma.data + row * chroma.stride_bytes + std::ptrdiff_t{2} * i;
     for (std::size_t c = 0; c < 2; ++c) {
       const auto across = [&](int y) {
         return full.at(left, y)[c] + 2.0F * full.at(2 * i, y)[c] + full.at(right, y)[c];
       };
-      chroma.data[row * chroma.stride_bytes + 2 * i + static_cast<int>(c)] =
-          to_byte((across(top) + across(bottom)) / 8.0F);
+      pair[c] = to_byte((across(top) + across(bottom)) / 8.0F);
     }
   }
 }
@@ -129,7 +129,7 @@ VideoFrame PictureRenderer::draw(const FrameStamp& stamp, const LineExposure& ex
   FullChroma full_chroma(size);
   for_each_in_parallel(line_count(size, rays_.axis()), [&](int line) {
     const RayLine rays = rays_.line(line);
-    std::vector<Eigen::Vector3f> light(rays.x.size(), Eigen::Vector3f::Zero());
+    std::vector<Light> light(rays.x.size(), Light::Zero());
     const std::vector<Eigen::Matrix3f> poses = exposure(line);
     for (const Eigen::Matrix3f& R_world_camera : poses) {
       panorama_->add_light(rays, R_world_camera, 1.0F / static_cast<float>(poses.size()), light);

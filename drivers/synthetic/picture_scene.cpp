@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <string_view>
 #include <utility>
 
@@ -46,7 +47,8 @@ PictureScene::PictureScene(VideoFrame picture, double width_rad)
 Eigen::Vector3d PictureScene::pixel(int x, int y) const {
   const Coding coding = coding_of(picture_.color.colorimetry);
   const ConstPlane& chroma = picture_.planes[1];
-  const std::uint8_t* pair = chroma.data + (y / 2) * chroma.stride_bytes + (x / 2) * 2;
+  const std::uint8_t* pair =
+      chroma.data + (y / 2) * chroma.stride_bytes + std::ptrdiff_t{2} * (x / 2);
   const double luma =
       (picture_.planes[0].data[y * picture_.planes[0].stride_bytes + x] - coding.black) /
       coding.luma;

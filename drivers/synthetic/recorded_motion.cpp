@@ -203,8 +203,9 @@ Result<Motion> make_recorded_motion(const MotionLog& log, SensorDuration start,
         to_seconds(length), to_seconds(duration), to_seconds(start)));
   }
   const GriddedLog gridded = grid(log);
-  const LogFit fit = gridded.accel_m_s2.size() < 2 * kGravityWindow ? level_start(log.R_camera_imu)
-                                                                    : fit_to_gravity(gridded);
+  const LogFit fit = gridded.accel_m_s2.size() < std::size_t{2} * kGravityWindow
+                         ? level_start(log.R_camera_imu)
+                         : fit_to_gravity(gridded);
   const std::vector<Eigen::Quaterniond> q_world_imu = integrate(gridded.rate_rad_s, fit);
   VectorSeries acceleration = hand_acceleration(gridded, q_world_imu);
   const Eigen::Quaterniond q_imu_camera(Eigen::Matrix3d(log.R_camera_imu.transpose()));

@@ -4,6 +4,10 @@
 
 namespace gimbal {
 
+/// Red, green and blue in linear light, 0 to 1, and a fourth that means nothing: four make one
+/// vector to the processor.
+using Light = Eigen::Array4f;
+
 /// What there is to see, infinitely far away: only turning the camera changes the view.
 class Scene {
  public:

@@ -23,13 +23,12 @@ SensorNoise::SensorNoise(const PixelNoise& noise)
     deviates_.push_back(static_cast<float>(random.normal()));
 }
 
-void SensorNoise::add(std::span<Eigen::Vector3f> light, std::uint64_t seed) const {
+void SensorNoise::add(std::span<Light> light, std::uint64_t seed) const {
   for (std::size_t i = 0; i < light.size(); ++i) {
     const std::uint64_t bits = stream_seed(seed, i);
-    const Eigen::Array3f deviate(deviates_[bits & 0xffffU], deviates_[(bits >> 16U) & 0xffffU],
-                                 deviates_[(bits >> 32U) & 0xffffU]);
-    const Eigen::Array3f variance = light[i].array().max(0.0F) * per_light_ + floor_;
-    light[i].array() += variance.sqrt() * deviate;
+    const Light deviate(deviates_[bits & 0xffffU], deviates_[(bits >> 16U) & 0xffffU],
+                        deviates_[(bits >> 32U) & 0xffffU], 0.0F);
+    light[i] += (light[i].max(0.0F) * per_light_ + floor_).sqrt() * deviate;
   }
 }
 

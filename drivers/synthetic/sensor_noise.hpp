@@ -1,9 +1,10 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstdint>
 #include <span>
 #include <vector>
+
+#include "drivers/synthetic/scene.hpp"
 
 namespace gimbal {
 
@@ -20,7 +21,7 @@ class SensorNoise {
   explicit SensorNoise(const PixelNoise& noise);
 
   /// The same `seed` makes the same noise.
-  void add(std::span<Eigen::Vector3f> light, std::uint64_t seed) const;
+  void add(std::span<Light> light, std::uint64_t seed) const;
 
  private:
   float per_light_;

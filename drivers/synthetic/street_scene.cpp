@@ -44,11 +44,20 @@ Color in_haze(const Color& color, double distance_m) {
   return clear * color + (1.0 - clear) * kHaze;
 }
 
+/// Each part of the street has random numbers of its own.
 std::uint64_t salt(std::uint64_t seed, std::uint64_t what) {
   return stream_seed(seed, 100 + what);
 }
 
-enum Part : std::uint64_t { kLeftRow, kRightRow, kEndRow, kPlan, kRoad, kSlabs, kSky, kTower };
+constexpr std::uint64_t kLeftRow = 0;
+constexpr std::uint64_t kRightRow = 1;
+constexpr std::uint64_t kEndRow = 2;
+constexpr std::uint64_t kPlan = 3;
+constexpr std::uint64_t kRoad = 4;
+constexpr std::uint64_t kSlabs = 5;
+constexpr std::uint64_t kSky = 6;
+constexpr std::uint64_t kTower = 7;
+constexpr std::uint64_t kTrees = 8;  // and one more for each tree
 
 /// Where a look passes an upright thing, on the plane through it that faces the viewer.
 struct Passing {
@@ -57,13 +66,14 @@ struct Passing {
   double up_m;        ///< above the ground
 };
 
-/// Nothing if the look goes the other way.
-std::optional<Passing> pass(const Look& look, double along_m, double left_m) {
-  const double level = std::hypot(look.x(), look.y());
-  const double forward_m = (along_m * look.x() + left_m * look.y()) / level;
+/// `forward` is the look's level part, of length 1. Nothing if the look goes the other way.
+std::optional<Passing> pass(const Look& look, const Eigen::Vector2d& forward, double along_m,
+                            double left_m) {
+  const double forward_m = along_m * forward.x() + left_m * forward.y();
   if (forward_m <= 0.0) return std::nullopt;
-  const double aside_m = (along_m * look.y() - left_m * look.x()) / level;
-  return Passing{forward_m / level, aside_m, kEye_m + forward_m * look.z() / level};
+  const double distance_m = forward_m / look.head<2>().dot(forward);
+  const double aside_m = along_m * forward.y() - left_m * forward.x();
+  return Passing{distance_m, aside_m, kEye_m + distance_m * look.z()};
 }
 
 /// Distance to an upright plane across one axis, if the look goes there.
@@ -91,6 +101,22 @@ Color tower_color(double left_m, double up_m, double grain_m, std::uint64_t towe
   const bool louvre = std::abs(left_m) < 0.8 && up_m > 14.0 && up_m < 19.0;
   if (louvre) return Color(0.05, 0.05, 0.05) * (std::fmod(up_m, 0.8) < 0.4 ? 1.0 : 3.0);
   return Color(0.40, 0.33, 0.24) * (1.0 + 0.35 * stains);
+}
+
+struct Interval {
+  double least;
+  double most;
+};
+
+/// Places from one end of a stretch to the other, at random distances.
+std::vector<double> places(const Interval& stretch_m, const Interval& distance_m, Random& random) {
+  std::vector<double> along_m;
+  double next_m = stretch_m.least;
+  while (next_m < stretch_m.most) {
+    along_m.push_back(next_m);
+    next_m += random.uniform(distance_m.least, distance_m.most);
+  }
+  return along_m;
 }
 
 Color pick_paint(Random& random) {
@@ -150,8 +176,9 @@ std::optional<Color> crown_color(double aside_m, double up_m, double grain_m, do
 }
 
 Color road_color(double along_m, double left_m, double grain_m, std::uint64_t road_salt) {
-  const double wear = fractal_noise(along_m / 4.0, left_m / 1.5, 8, grain_m / 1.5, road_salt) +
-                      fractal_noise(along_m * 9.0, left_m * 9.0, 3, 9.0 * grain_m, road_salt + 1);
+  const double wear =
+      fractal_noise(along_m / 4.0, left_m / 1.5, 8, grain_m / 1.5, road_salt) +
+      0.6 * fractal_noise(along_m * 9.0, left_m * 9.0, 3, 9.0 * grain_m, road_salt + 1);
   const bool dash = std::abs(left_m) < 0.07 && std::fmod(along_m - kBackOfStreet_m, 6.0) < 2.6;
   if (dash && wear < 0.6) return {0.55, 0.55, 0.52};
   return kAsphalt * (1.0 + 0.45 * wear);
@@ -179,20 +206,26 @@ StreetScene::StreetScene(std::uint64_t seed, double finest_rad)
       right_row_(build_row(kBackOfStreet_m, kEndOfStreet_m, salt(seed, kRightRow))),
       end_row_(build_row(-30.0, 30.0, salt(seed, kEndRow))) {
   Random random(salt(seed, kPlan));
-  for (double along_m = -40.0; along_m < 90.0; along_m += random.uniform(13.0, 17.0)) {
+  for (const double along_m : places({-40.0, 90.0}, {13.0, 17.0}, random)) {
     posts_.push_back({along_m, 4.7, 4.4});
     posts_.push_back({along_m + random.uniform(4.0, 8.0), -4.7, 4.4});
   }
-  for (double along_m = -44.0; along_m < 90.0; along_m += random.uniform(16.0, 26.0)) {
-    const double height_m = random.uniform(4.6, 6.2);
-    trees_.push_back({along_m, 5.6, random.uniform(1.3, 1.9), height_m, salt(seed, trees_.size())});
-    trees_.push_back({along_m + random.uniform(6.0, 12.0), -5.4, random.uniform(1.2, 1.8), height_m,
-                      salt(seed, trees_.size())});
+  for (const double along_m : places({-44.0, 90.0}, {16.0, 26.0}, random)) {
+    plant({along_m, 5.6}, random);
+    plant({along_m + random.uniform(6.0, 12.0), -5.4}, random);
   }
-  for (double along_m = -38.0; along_m < 80.0; along_m += random.uniform(5.2, 14.0)) {
+  for (const double along_m : places({-38.0, 80.0}, {5.2, 14.0}, random)) {
     const double side_m = random.uniform() < 0.6 ? kCars_m : -kCars_m;
     cars_.push_back({along_m, side_m, pick_paint(random)});
   }
+}
+
+void StreetScene::plant(const Eigen::Vector2d& place_m, Random& random) {
+  Tree tree{place_m.x(), place_m.y()};
+  tree.crown_m = random.uniform(1.2, 1.9);
+  tree.height_m = random.uniform(4.6, 6.2);
+  tree.salt = salt(seed_, kTrees + trees_.size());
+  trees_.push_back(tree);
 }
 
 Eigen::Vector3d StreetScene::color(const Eigen::Vector3d& direction_world) const {
@@ -206,9 +239,10 @@ Eigen::Vector3d StreetScene::color(const Eigen::Vector3d& direction_world) const
 }
 
 std::optional<StreetScene::Hit> StreetScene::hit_post(const Look& look) const {
+  const Eigen::Vector2d forward = look.head<2>().normalized();
   std::optional<Hit> nearest;
   for (const Post& post : posts_) {
-    const std::optional<Passing> at = pass(look, post.along_m, post.left_m);
+    const std::optional<Passing> at = pass(look, forward, post.along_m, post.left_m);
     if (!at || std::abs(at->aside_m) > 0.3 || (nearest && nearest->distance_m < at->distance_m)) {
       continue;
     }
@@ -219,9 +253,10 @@ std::optional<StreetScene::Hit> StreetScene::hit_post(const Look& look) const {
 }
 
 std::optional<StreetScene::Hit> StreetScene::hit_tree(const Look& look) const {
+  const Eigen::Vector2d forward = look.head<2>().normalized();
   std::optional<Hit> nearest;
   for (const Tree& tree : trees_) {
-    const std::optional<Passing> at = pass(look, tree.along_m, tree.left_m);
+    const std::optional<Passing> at = pass(look, forward, tree.along_m, tree.left_m);
     if (!at || std::abs(at->aside_m) > 1.5 * tree.crown_m) continue;
     if (nearest && nearest->distance_m < at->distance_m) continue;
     const double grain_m = finest_rad_ * at->distance_m;

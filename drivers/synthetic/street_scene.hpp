@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "drivers/synthetic/house.hpp"
+#include "drivers/synthetic/random.hpp"
 #include "drivers/synthetic/scene.hpp"
 
 namespace gimbal {
@@ -26,8 +27,11 @@ class StreetScene : public Scene {
     double along_m, left_m, height_m;
   };
   struct Tree {
-    double along_m, left_m, crown_m, height_m;
-    std::uint64_t salt;
+    double along_m = 0;
+    double left_m = 0;
+    double crown_m = 0;   ///< radius
+    double height_m = 0;  ///< of the crown's middle
+    std::uint64_t salt = 0;
   };
   struct Car {
     double along_m, left_m;
@@ -38,6 +42,8 @@ class StreetScene : public Scene {
     double distance_m;
     Eigen::Vector3d color;
   };
+
+  void plant(const Eigen::Vector2d& place_m, Random& random);
 
   // All take a unit vector in street axes: along, left, up.
   [[nodiscard]] std::optional<Hit> hit_post(const Eigen::Vector3d& look) const;

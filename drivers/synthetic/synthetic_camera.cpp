@@ -16,7 +16,8 @@ namespace {
 constexpr double kBlurStep_px = 1.0;  // a point moves no further between two looks of an exposure
 constexpr int kMostLooks = 64;        // more would not be seen in so long a streak
 
-enum Stream : std::uint64_t { kTimingStream, kPixelStream };
+constexpr std::uint64_t kTimingStream = 0;
+constexpr std::uint64_t kPixelStream = 1;
 
 Result<void> check(const SyntheticCameraSettings& settings) {
   const CameraCalibration& camera = settings.calibration;

@@ -14,7 +14,9 @@ namespace {
 
 constexpr double kHighestRate_hz = 1e5;
 
-enum Stream : std::uint64_t { kGyroStream, kAccelStream };
+// Each sensor draws its noise from a stream of its own.
+constexpr std::uint64_t kGyroStream = 0;
+constexpr std::uint64_t kAccelStream = 1;
 
 /// Errs like a sensor, sample after sample.
 class ErringSensor {

@@ -39,7 +39,7 @@ double band_power(const std::vector<double>& signal, double low_hz, double high_
   return sum;
 }
 
-TEST(HandMotion, walking_pitches_with_the_step) {
+TEST(HandMotion, WalkingPitchesWithTheStep) {
   const std::vector<double> rates =
       pitch_rates(make_hand_motion(walking_hand(), seconds(20), 5), seconds(20));
   const double step = band_power(rates, 1.8, 2.0);
@@ -47,7 +47,7 @@ TEST(HandMotion, walking_pitches_with_the_step) {
   EXPECT_GT(step, 10.0 * band_power(rates, 2.4, 2.6));
 }
 
-TEST(HandMotion, tremor_lies_between_6_and_12_hz) {
+TEST(HandMotion, TremorLiesBetween6And12Hz) {
   HandModel model;
   model.rotation_rad = {{6.0, 12.0, Eigen::Vector3d::Constant(0.001)}};
   const std::vector<double> rates =
@@ -56,7 +56,7 @@ TEST(HandMotion, tremor_lies_between_6_and_12_hz) {
   EXPECT_GT(band_power(rates, 5.9, 12.1), 100.0 * band_power(rates, 12.5, 30.0));
 }
 
-TEST(HandMotion, pan_turns_by_its_angle_and_rests) {
+TEST(HandMotion, PanTurnsByItsAngleAndRests) {
   HandModel model;
   model.pan = {1.0, seconds(2), seconds(1)};
   const Motion motion = make_hand_motion(model, seconds(8), 7);
@@ -73,7 +73,7 @@ TEST(HandMotion, pan_turns_by_its_angle_and_rests) {
   EXPECT_NEAR(motion.at(time_from_seconds(2.0)).rate_rad_s.y(), -1.0, 1e-2);
 }
 
-TEST(HandMotion, acceleration_is_that_of_a_point_on_a_lever) {
+TEST(HandMotion, AccelerationIsThatOfAPointOnALever) {
   HandModel model;
   model.rotation_rad = {{0.5, 3.0, Eigen::Vector3d(0.1, 0.15, 0.1)}};
   model.lever_camera_m = {0.05, -0.1, 0.4};
@@ -91,7 +91,7 @@ TEST(HandMotion, acceleration_is_that_of_a_point_on_a_lever) {
   }
 }
 
-TEST(HandMotion, tripod_stands_still_and_level) {
+TEST(HandMotion, TripodStandsStillAndLevel) {
   const Motion motion = make_hand_motion(tripod(), seconds(2), 9);
   for (SensorTime t; t < SensorTime(seconds(2)); t += milliseconds(111)) {
     EXPECT_LT(motion.at(t).rate_rad_s.norm(), 1e-12);
@@ -102,7 +102,7 @@ TEST(HandMotion, tripod_stands_still_and_level) {
   }
 }
 
-TEST(HandMotion, seed_decides) {
+TEST(HandMotion, SeedDecides) {
   const auto rate = [](std::uint64_t seed) {
     return make_hand_motion(walking_hand(), seconds(1), seed)
         .at(SensorTime(milliseconds(500)))
@@ -112,7 +112,7 @@ TEST(HandMotion, seed_decides) {
   EXPECT_GT((rate(1) - rate(2)).norm(), 1e-3);
 }
 
-TEST(HandMotion, each_model_shakes_as_hands_do) {
+TEST(HandMotion, EachModelShakesAsHandsDo) {
   struct Case {
     HandModel model;
     double least_rms_rad_s, most_rms_rad_s;

@@ -33,7 +33,7 @@ MotionKnots random_knots(int count, std::uint64_t seed) {
   return knots;
 }
 
-TEST(Motion, rate_is_the_derivative_of_the_orientation) {
+TEST(Motion, RateIsTheDerivativeOfTheOrientation) {
   const Motion motion(random_knots(30, 1));
   constexpr nanoseconds kStep(2000);
   for (SensorTime t = motion.begin() + kStep; t < motion.end() - kStep; t += nanoseconds(1700001)) {
@@ -44,7 +44,7 @@ TEST(Motion, rate_is_the_derivative_of_the_orientation) {
   }
 }
 
-TEST(Motion, rate_derivative_is_the_derivative_of_the_rate) {
+TEST(Motion, RateDerivativeIsTheDerivativeOfTheRate) {
   const Motion motion(random_knots(30, 2));
   constexpr nanoseconds kStep(2000);
   for (SensorTime t = motion.begin() + kStep; t < motion.end() - kStep; t += nanoseconds(1700001)) {
@@ -56,7 +56,7 @@ TEST(Motion, rate_derivative_is_the_derivative_of_the_rate) {
   }
 }
 
-TEST(Motion, is_smooth_across_knots) {
+TEST(Motion, IsSmoothAcrossKnots) {
   const Motion motion(random_knots(30, 3));
   for (int k = 1; k < 27; ++k) {
     const SensorTime knot = motion.begin() + k * milliseconds(10);
@@ -69,7 +69,7 @@ TEST(Motion, is_smooth_across_knots) {
   }
 }
 
-TEST(Motion, keeps_a_constant_rate_exactly) {
+TEST(Motion, KeepsAConstantRateExactly) {
   const Eigen::Vector3d rate(0.3, -1.1, 2.0);
   const Eigen::Quaterniond q_start(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()));
   MotionKnots knots;
@@ -91,7 +91,7 @@ TEST(Motion, keeps_a_constant_rate_exactly) {
   }
 }
 
-TEST(Motion, stands_still_outside_of_its_time) {
+TEST(Motion, StandsStillOutsideOfItsTime) {
   const Motion motion(random_knots(10, 4));
   const MotionState after = motion.at(motion.end() + milliseconds(500));
   EXPECT_EQ(after.rate_rad_s.norm(), 0.0);
@@ -100,7 +100,7 @@ TEST(Motion, stands_still_outside_of_its_time) {
   EXPECT_EQ(motion.at(motion.begin() - milliseconds(500)).rate_rad_s.norm(), 0.0);
 }
 
-TEST(Rotation, log_undoes_exp) {
+TEST(Rotation, LogUndoesExp) {
   for (const double angle : {0.0, 1e-12, 1e-6, 1e-4, 0.1, 1.0, 3.0}) {
     const Eigen::Vector3d vector = angle * Eigen::Vector3d(2, -1, 0.5).normalized();
     EXPECT_LT((quaternion_log(quaternion_exp(vector)) - vector).norm(), 1e-12) << angle;

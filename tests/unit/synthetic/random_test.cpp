@@ -7,7 +7,7 @@
 namespace gimbal {
 namespace {
 
-TEST(Random, normal_has_the_moments_of_a_normal_distribution) {
+TEST(Random, NormalHasTheMomentsOfANormalDistribution) {
   constexpr int kCount = 200000;
   Random random(11);
   double sum = 0;
@@ -25,7 +25,7 @@ TEST(Random, normal_has_the_moments_of_a_normal_distribution) {
   EXPECT_NEAR(fourth_powers / kCount, 3.0, 5 * std::sqrt(96.0 / kCount));
 }
 
-TEST(Random, uniform_fills_its_range) {
+TEST(Random, UniformFillsItsRange) {
   constexpr int kCount = 100000;
   Random random(12);
   double sum = 0;
@@ -38,7 +38,7 @@ TEST(Random, uniform_fills_its_range) {
   EXPECT_NEAR(sum / kCount, 3.5, 5 * 3.0 / std::sqrt(12.0 * kCount));
 }
 
-TEST(Random, draws_from_the_engine_that_the_standard_lays_down) {
+TEST(Random, DrawsFromTheEngineThatTheStandardLaysDown) {
   // [rand.predef]: the 10000th number of a default std::mt19937_64 (seed 5489) is
   // 9981545732273789042, of which a double takes the 53 upper bits.
   Random random(5489);
@@ -47,7 +47,7 @@ TEST(Random, draws_from_the_engine_that_the_standard_lays_down) {
   EXPECT_EQ(last, static_cast<double>(9981545732273789042U >> 11U) * 0x1p-53);
 }
 
-TEST(Random, streams_of_a_seed_differ) {
+TEST(Random, StreamsOfASeedDiffer) {
   EXPECT_NE(stream_seed(1, 0), stream_seed(1, 1));
   EXPECT_NE(stream_seed(1, 0), stream_seed(2, 0));
 }

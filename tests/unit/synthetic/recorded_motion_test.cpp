@@ -24,7 +24,7 @@ Result<MotionLog> iphone_log() {
   });
 }
 
-TEST(RecordedMotion, finds_the_inclination_and_bias_behind_a_log) {
+TEST(RecordedMotion, FindsTheInclinationAndBiasBehindALog) {
   // A motion that is known makes the log; its IMU is turned, biased and noisy.
   HandModel model = walking_hand();
   model.pitch_rad = -0.4;
@@ -50,7 +50,7 @@ TEST(RecordedMotion, finds_the_inclination_and_bias_behind_a_log) {
   }
 }
 
-TEST(RecordedMotion, starts_with_its_heading_along_x) {
+TEST(RecordedMotion, StartsWithItsHeadingAlongX) {
   const Result<MotionLog> log = iphone_log();
   ASSERT_TRUE(log.has_value()) << log.error().message;
   const auto motion = make_recorded_motion(*log, seconds(3), seconds(2));
@@ -60,7 +60,7 @@ TEST(RecordedMotion, starts_with_its_heading_along_x) {
   EXPECT_NEAR(std::atan2(forward.y(), forward.x()), 0.0, 0.02);
 }
 
-TEST(RecordedMotion, a_later_start_sees_the_same_motion) {
+TEST(RecordedMotion, ALaterStartSeesTheSameMotion) {
   const Result<MotionLog> log = iphone_log();
   ASSERT_TRUE(log.has_value()) << log.error().message;
   const auto whole = make_recorded_motion(*log, {}, seconds(30));
@@ -74,7 +74,7 @@ TEST(RecordedMotion, a_later_start_sees_the_same_motion) {
 
 /// The phone's own tracking (ARKit, camera and IMU together) is an independent witness of
 /// inclination and of turning. Its camera axes are x right, y up, z back; its world is y up.
-TEST(RecordedMotion, iphone_agrees_with_its_own_visual_tracking) {
+TEST(RecordedMotion, IphoneAgreesWithItsOwnVisualTracking) {
   const std::string path = GIMBALD_SHARED "/data/logs/iphone-handheld/orientation_ref.csv";
   std::ifstream file(path);
   if (!file) GTEST_SKIP() << "no recordings: " << path;
@@ -115,7 +115,7 @@ TEST(RecordedMotion, iphone_agrees_with_its_own_visual_tracking) {
   EXPECT_LT(most_deg, 5.0);
 }
 
-TEST(RecordedMotion, refuses_what_the_log_does_not_hold) {
+TEST(RecordedMotion, RefusesWhatTheLogDoesNotHold) {
   const Result<MotionLog> log = iphone_log();
   ASSERT_TRUE(log.has_value()) << log.error().message;
   EXPECT_FALSE(make_recorded_motion(*log, seconds(30), seconds(10)).has_value());
@@ -124,7 +124,7 @@ TEST(RecordedMotion, refuses_what_the_log_does_not_hold) {
   EXPECT_FALSE(make_recorded_motion({}, {}, seconds(1)).has_value());
 }
 
-TEST(RecordedMotion, starts_level_without_an_accelerometer) {
+TEST(RecordedMotion, StartsLevelWithoutAnAccelerometer) {
   Result<MotionLog> log = iphone_log();
   ASSERT_TRUE(log.has_value()) << log.error().message;
   log->accel.clear();

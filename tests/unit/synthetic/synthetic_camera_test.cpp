@@ -134,7 +134,7 @@ Motion turning_motion(const Eigen::Vector3d& rate_rad_s) {
   return Motion(knots);
 }
 
-TEST(SyntheticCamera, a_still_camera_sees_the_same_picture_again) {
+TEST(SyntheticCamera, AStillCameraSeesTheSamePictureAgain) {
   const auto camera = make_camera(small_camera(), make_hand_motion(tripod(), seconds(1), 1),
                                   panorama_of(std::make_shared<EdgeScene>(0.05)));
   const VideoFrame first = camera->read().value().value();
@@ -146,7 +146,7 @@ TEST(SyntheticCamera, a_still_camera_sees_the_same_picture_again) {
   }
 }
 
-TEST(SyntheticCamera, an_upright_edge_leans_by_rate_times_readout) {
+TEST(SyntheticCamera, AnUprightEdgeLeansByRateTimesReadout) {
   constexpr double kRate = 0.8;  // rad/s to the right (about camera y, which is down)
   const auto camera = make_camera(small_camera(), turning_motion({0, kRate, 0}),
                                   panorama_of(std::make_shared<EdgeScene>(-0.1)));
@@ -161,7 +161,7 @@ TEST(SyntheticCamera, an_upright_edge_leans_by_rate_times_readout) {
   EXPECT_NEAR(lean_px, kFocal_px * kRate * 0.030 * 239.0 / 240.0, 0.1);
 }
 
-TEST(SyntheticCamera, exposure_blurs_around_its_middle) {
+TEST(SyntheticCamera, ExposureBlursAroundItsMiddle) {
   SyntheticCameraSettings settings = small_camera();
   settings.exposure = milliseconds(20);
   const auto camera = make_camera(settings, turning_motion({0, 0.8, 0}),
@@ -186,7 +186,7 @@ struct DirectionCase {
 
 class SyntheticCameraReadout : public testing::TestWithParam<DirectionCase> {};
 
-TEST_P(SyntheticCameraReadout, lines_are_read_in_order) {
+TEST_P(SyntheticCameraReadout, LinesAreReadInOrder) {
   const DirectionCase& c = GetParam();
   SyntheticCameraSettings settings = small_camera();
   settings.calibration.readout_direction = c.direction;
@@ -204,7 +204,7 @@ INSTANTIATE_TEST_SUITE_P(Directions, SyntheticCameraReadout,
                                          DirectionCase{ReadoutDirection::left_right, 0, 319},
                                          DirectionCase{ReadoutDirection::right_left, 319, 0}));
 
-TEST(SyntheticCamera, bottom_up_leans_the_other_way) {
+TEST(SyntheticCamera, BottomUpLeansTheOtherWay) {
   SyntheticCameraSettings settings = small_camera();
   settings.calibration.readout_direction = ReadoutDirection::bottom_up;
   const auto camera = make_camera(settings, turning_motion({0, 0.8, 0}),
@@ -224,7 +224,7 @@ class HorizonScene : public Scene {
   }
 };
 
-TEST(SyntheticCamera, columns_read_in_turn_tilt_the_horizon) {
+TEST(SyntheticCamera, ColumnsReadInTurnTiltTheHorizon) {
   for (const bool from_left : {true, false}) {
     SyntheticCameraSettings settings = small_camera();
     settings.calibration.readout_direction =
@@ -241,7 +241,7 @@ TEST(SyntheticCamera, columns_read_in_turn_tilt_the_horizon) {
   }
 }
 
-TEST(SyntheticCamera, stamps_name_the_instant_that_the_calibration_says) {
+TEST(SyntheticCamera, StampsNameTheInstantThatTheCalibrationSays) {
   SyntheticCameraSettings settings = small_camera();
   settings.exposure = milliseconds(8);
   settings.calibration.time_offset = milliseconds(-5);
@@ -258,7 +258,7 @@ TEST(SyntheticCamera, stamps_name_the_instant_that_the_calibration_says) {
   EXPECT_EQ(stamp_for(TimestampReference::readout_end), SensorTime(milliseconds(135)));
 }
 
-TEST(SyntheticCamera, truth_is_where_the_pipeline_looks_for_it) {
+TEST(SyntheticCamera, TruthIsWhereThePipelineLooksForIt) {
   for (const auto reference :
        {TimestampReference::readout_start, TimestampReference::exposure_start,
         TimestampReference::readout_end}) {
@@ -294,7 +294,7 @@ LensParameters lens_parameters(LensModel model) {
 
 class SyntheticCameraLens : public testing::TestWithParam<LensModel> {};
 
-TEST_P(SyntheticCameraLens, a_point_is_drawn_where_its_row_sees_it) {
+TEST_P(SyntheticCameraLens, APointIsDrawnWhereItsRowSeesIt) {
   const Eigen::Vector3d point = Eigen::Vector3d(1.0, -0.21, 0.13).normalized();
   SyntheticCameraSettings settings = small_camera();
   settings.calibration.lens = lens_parameters(GetParam());
@@ -320,7 +320,7 @@ TEST_P(SyntheticCameraLens, a_point_is_drawn_where_its_row_sees_it) {
 INSTANTIATE_TEST_SUITE_P(Models, SyntheticCameraLens,
                          testing::Values(LensModel::pinhole, LensModel::brown, LensModel::fisheye));
 
-TEST(SyntheticCamera, pixel_noise_has_the_variance_of_photons_and_readout) {
+TEST(SyntheticCamera, PixelNoiseHasTheVarianceOfPhotonsAndReadout) {
   SyntheticCameraSettings settings = small_camera();
   settings.noise = PixelNoise{2000, 5};
   const auto camera = make_camera(settings, make_hand_motion(tripod(), seconds(1), 1),
@@ -348,7 +348,7 @@ TEST(SyntheticCamera, pixel_noise_has_the_variance_of_photons_and_readout) {
   EXPECT_NEAR(sigma / expected, 1.0, 0.02);
 }
 
-TEST(SyntheticCamera, seed_decides_noise_jitter_and_drops) {
+TEST(SyntheticCamera, SeedDecidesNoiseJitterAndDrops) {
   const auto first_bytes = [](std::uint64_t seed) {
     SyntheticCameraSettings settings = small_camera();
     settings.noise = PixelNoise{};
@@ -377,7 +377,7 @@ TEST(SyntheticCamera, seed_decides_noise_jitter_and_drops) {
   }
 }
 
-TEST(SyntheticCamera, an_instant_readout_is_the_global_shutter_picture) {
+TEST(SyntheticCamera, AnInstantReadoutIsTheGlobalShutterPicture) {
   SyntheticCameraSettings settings = small_camera();
   settings.calibration.readout = SensorDuration::zero();
   const Motion motion = turning_motion({0.3, 0.6, 0.9});
@@ -397,7 +397,7 @@ TEST(SyntheticCamera, an_instant_readout_is_the_global_shutter_picture) {
   }
 }
 
-TEST(SyntheticCamera, delivers_its_frames_once_and_again_after_a_new_start) {
+TEST(SyntheticCamera, DeliversItsFramesOnceAndAgainAfterANewStart) {
   const auto camera = make_camera(small_camera(), make_hand_motion(tripod(), seconds(1), 1),
                                   panorama_of(std::make_shared<EvenScene>()));
   EXPECT_EQ(camera->format().size, (ImageSize{320, 240}));
@@ -409,7 +409,7 @@ TEST(SyntheticCamera, delivers_its_frames_once_and_again_after_a_new_start) {
   EXPECT_FALSE(camera->read().value().has_value());
 }
 
-TEST(SyntheticCamera, refuses_what_no_camera_has) {
+TEST(SyntheticCamera, RefusesWhatNoCameraHas) {
   const auto refuses = [](auto change) {
     SyntheticCameraSettings settings = small_camera();
     change(settings);

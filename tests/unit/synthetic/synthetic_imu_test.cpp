@@ -30,7 +30,7 @@ std::unique_ptr<SyntheticImu> make_imu(const SyntheticImuSettings& settings, con
   return std::move(*imu);
 }
 
-TEST(SyntheticImu, gyro_integrates_back_to_the_truth) {
+TEST(SyntheticImu, GyroIntegratesBackToTheTruth) {
   const Motion motion = make_hand_motion(running_hand(), seconds(10), 1);
   const auto imu = make_imu(settings_for(seconds(10)), motion);
   // Trapezoids on SO(3): each step turns by the mean of its ends' rates.
@@ -47,7 +47,7 @@ TEST(SyntheticImu, gyro_integrates_back_to_the_truth) {
   EXPECT_LT(q_world_imu.angularDistance(truth), 2e-4);
 }
 
-TEST(SyntheticImu, accelerometer_feels_gravity_in_its_own_axes) {
+TEST(SyntheticImu, AccelerometerFeelsGravityInItsOwnAxes) {
   // Level landscape: the camera's y points down, and so does the IMU's -x. Specific force is up.
   const Motion motion = make_hand_motion(tripod(), seconds(1), 1);
   const auto imu = make_imu(settings_for(seconds(1)), motion);
@@ -56,7 +56,7 @@ TEST(SyntheticImu, accelerometer_feels_gravity_in_its_own_axes) {
   }
 }
 
-TEST(SyntheticImu, samples_come_in_order_each_at_its_own_rate_and_phase) {
+TEST(SyntheticImu, SamplesComeInOrderEachAtItsOwnRateAndPhase) {
   const Motion motion = make_hand_motion(tripod(), seconds(1), 1);
   const auto imu = make_imu(settings_for(seconds(1)), motion);
   ASSERT_TRUE(imu->start().has_value());
@@ -77,7 +77,7 @@ TEST(SyntheticImu, samples_come_in_order_each_at_its_own_rate_and_phase) {
   EXPECT_EQ(accel, 100U);
 }
 
-TEST(SyntheticImu, starts_again_and_stops) {
+TEST(SyntheticImu, StartsAgainAndStops) {
   const Motion motion = make_hand_motion(tripod(), seconds(1), 1);
   const auto imu = make_imu(settings_for(seconds(1)), motion);
   ASSERT_TRUE(imu->start().has_value());
@@ -88,7 +88,7 @@ TEST(SyntheticImu, starts_again_and_stops) {
   EXPECT_EQ(std::get<GyroSample>(*imu->read().value()).time, SensorTime());
 }
 
-TEST(SyntheticImu, noise_bias_and_scale_are_as_given) {
+TEST(SyntheticImu, NoiseBiasAndScaleAreAsGiven) {
   const Motion motion = make_hand_motion(tripod(), seconds(20), 1);
   SyntheticImuSettings settings = settings_for(seconds(20));
   settings.gyro.noise_density = 2e-3;
@@ -109,7 +109,7 @@ TEST(SyntheticImu, noise_bias_and_scale_are_as_given) {
   EXPECT_NEAR(imu->accel().front().accel_m_s2.x(), 1.02 * 9.80665, 1e-9);
 }
 
-TEST(SyntheticImu, bias_walks_as_the_root_of_time) {
+TEST(SyntheticImu, BiasWalksAsTheRootOfTime) {
   const Motion motion = make_hand_motion(tripod(), seconds(20), 1);
   SyntheticImuSettings settings = settings_for(seconds(20));
   settings.gyro.bias_walk = 1e-3;
@@ -123,7 +123,7 @@ TEST(SyntheticImu, bias_walks_as_the_root_of_time) {
   EXPECT_NEAR(per_second, 1e-3, 5 * 1e-3 / std::sqrt(2.0 * 3.0 * count));
 }
 
-TEST(SyntheticImu, saturates_at_full_scale) {
+TEST(SyntheticImu, SaturatesAtFullScale) {
   SyntheticImuSettings settings = settings_for(seconds(4));
   settings.gyro.full_scale = 0.5;
   HandModel model;
@@ -136,7 +136,7 @@ TEST(SyntheticImu, saturates_at_full_scale) {
   EXPECT_EQ(most, 0.5);
 }
 
-TEST(SyntheticImu, dropouts_lose_samples_and_the_clock_offset_moves_stamps) {
+TEST(SyntheticImu, DropoutsLoseSamplesAndTheClockOffsetMovesStamps) {
   const Motion motion = make_hand_motion(walking_hand(), seconds(2), 1);
   SyntheticImuSettings settings = settings_for(seconds(2));
   const auto whole = make_imu(settings, motion);
@@ -149,7 +149,7 @@ TEST(SyntheticImu, dropouts_lose_samples_and_the_clock_offset_moves_stamps) {
   EXPECT_EQ(broken->gyro()[500].gyro_rad_s, whole->gyro()[735].gyro_rad_s);
 }
 
-TEST(SyntheticImu, seed_decides_and_sensors_have_noise_of_their_own) {
+TEST(SyntheticImu, SeedDecidesAndSensorsHaveNoiseOfTheirOwn) {
   const Motion motion = make_hand_motion(tripod(), seconds(1), 1);
   SyntheticImuSettings settings = settings_for(seconds(1));
   settings.gyro.noise_density = 1e-3;
@@ -166,7 +166,7 @@ TEST(SyntheticImu, seed_decides_and_sensors_have_noise_of_their_own) {
   EXPECT_TRUE(no_accel->accel().empty());
 }
 
-TEST(SyntheticImu, refuses_what_no_imu_is) {
+TEST(SyntheticImu, RefusesWhatNoImuIs) {
   const Motion motion = make_hand_motion(tripod(), seconds(1), 1);
   SyntheticImuSettings mirrored = settings_for(seconds(1));
   mirrored.R_camera_imu = Eigen::Vector3d(1, 1, -1).asDiagonal();
