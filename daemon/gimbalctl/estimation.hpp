@@ -30,7 +30,7 @@ struct Lookahead {
 [[nodiscard]] std::unique_ptr<AttitudeStream> make_attitudes(EstimatorKind kind,
                                                              const Lookahead& lookahead);
 
-/// Hands every sample of the recording on, the accelerometer interpolated to the gyro's stamps.
+/// Hands every gyro sample of the recording on, with the accelerometer interpolated to it.
 [[nodiscard]] Result<void> replay_samples(const Session& session,
                                           const std::function<void(const ImuSample&)>& take);
 

@@ -9,7 +9,8 @@
 namespace gimbal {
 
 /// The inertial samples of a recording, both sensors merged in order of time; of equal stamps the
-/// accelerometer's comes first, so that it is known once the gyro's is. Reads no clock.
+/// accelerometer's comes first, so that it is known once the gyro's is. Each at the instant when it
+/// was true: its stamp less the sensor's delay. Reads no clock.
 class ReplayImu final : public ImuSource {
  public:
   /// Keeps a copy of the samples; the session may go.

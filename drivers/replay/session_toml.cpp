@@ -22,6 +22,7 @@ namespace {
 constexpr double kStandardGravity_m_s2 = 9.80665;
 constexpr int kLargestSide_px = 65535;
 constexpr double kLongestReadout_s = 10.0;
+constexpr double kLongestImuDelay_s = 1.0;
 /// Offsets between the epochs of two clocks can be decades; more does not fit.
 constexpr double kLongestOffset_s = 4e9;
 
@@ -133,6 +134,7 @@ std::optional<Eigen::Matrix3d> read_rotation(TomlTable& table, std::string_view 
 }
 
 Result<void> read_imu(TomlTable& table, SessionToml& out) {
+  out.session.imu.delay = read_duration(table, "delay_s", 0, kLongestImuDelay_s);
   out.session.imu.R_camera_imu =
       read_rotation(table, "R_camera_imu").value_or(Eigen::Matrix3d::Identity());
   out.accel_to_specific_force_m_s2 = table.choice<double>("accel_unit", kAccelUnits).value_or(1.0) *
@@ -258,6 +260,9 @@ std::string format_session_toml(const Session& session) {
     out += format_camera(*session.camera_without_lens, "");
   }
   out += fmt::format("\n[imu]\nR_camera_imu = {}\n", format_matrix(session.imu.R_camera_imu));
+  if (session.imu.delay) {
+    out += fmt::format("delay_s = {}\n", format_duration(*session.imu.delay));
+  }
   if (!session.accel.empty()) out += "accel_unit = \"m/s2\"\naccel_sign = \"specific-force\"\n";
   add_text("clock", session.imu_clock);
   return out;

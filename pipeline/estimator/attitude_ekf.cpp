@@ -37,6 +37,13 @@ Eigen::Quaterniond turn_about_vertical(double angle_rad) {
   return {std::cos(angle_rad / 2), 0, 0, std::sin(angle_rad / 2)};
 }
 
+/// Over the interval between two samples.
+std::optional<Eigen::Vector3d> mean_accel(const AttitudeEkfState::LastSample& last,
+                                          const ImuSample& sample) {
+  if (!last.accel_m_s2 || !sample.accel_m_s2) return sample.accel_m_s2;
+  return 0.5 * (*last.accel_m_s2 + *sample.accel_m_s2);
+}
+
 void set_variance(ErrorCovariance& P, int index, const Eigen::Vector3d& variance) {
   P.middleRows<3>(index).setZero();
   P.middleCols<3>(index).setZero();
@@ -111,18 +118,12 @@ void AttitudeEkf::continue_with(const ImuSample& sample) {
 }
 
 void AttitudeEkf::bridge_or_advance(const ImuSample& sample, double interval_s) {
-  Eigen::Vector3d gyro_rad_s = sample.gyro_rad_s;
+  const Eigen::Vector3d gyro_rad_s = 0.5 * (state_.last->gyro_rad_s + sample.gyro_rad_s);
   // Before the tilt is known, the force has no axes to be used in.
-  std::optional<Eigen::Vector3d> accel_m_s2 =
-      state_.tilt_is_known ? sample.accel_m_s2 : std::nullopt;
+  const std::optional<Eigen::Vector3d> accel_m_s2 =
+      state_.tilt_is_known ? mean_accel(*state_.last, sample) : std::nullopt;
   const bool is_gap = state_.usual_interval_s > 0 &&
                       interval_s > parameters_.gap_intervals * state_.usual_interval_s;
-  if (is_gap) {
-    gyro_rad_s = 0.5 * (gyro_rad_s + state_.last->gyro_rad_s);
-    if (accel_m_s2 && state_.last->accel_m_s2) {
-      accel_m_s2 = 0.5 * (*accel_m_s2 + *state_.last->accel_m_s2);
-    }
-  }
   IntervalNoise noise = noise_of(gyro_rad_s, accel_m_s2, interval_s);
   if (is_gap) {
     ++state_.counts.gaps;

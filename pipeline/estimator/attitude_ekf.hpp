@@ -121,8 +121,8 @@ struct AttitudeEkfState {
 /// Heading is never observed. What a better bias says about past heading is kept in the filter but
 /// not shown: the answers' heading has no steps, only the rate's integral.
 ///
-/// Each sample stands for the interval before it, as a sensor's low-pass makes it; over a gap the
-/// rate is taken to go straight from one sample to the next. Neither allocates nor throws.
+/// A sample is the rate at its stamp's instant, and between samples, over a gap too, the rate goes
+/// straight from one to the next. Neither allocates nor throws.
 class AttitudeEkf final : public Estimator {
  public:
   explicit AttitudeEkf(const AttitudeEkfParameters& parameters = {});

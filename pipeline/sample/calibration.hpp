@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "pipeline/sample/sensor_time.hpp"
@@ -49,6 +50,8 @@ struct CameraCalibration {
 
 struct ImuCalibration {
   Eigen::Matrix3d R_camera_imu = Eigen::Matrix3d::Identity();  ///< v_camera = R_camera_imu v_imu
+  /// How much earlier than its stamp a sample was true: the sensor's low-pass filters delay it.
+  std::optional<SensorDuration> delay;
 };
 
 }  // namespace gimbal

@@ -10,6 +10,7 @@
 #include <memory>
 #include <numbers>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "drivers/synthetic/motion.hpp"
@@ -94,7 +95,7 @@ class Rectification : public ::testing::TestWithParam<Part> {
     };
   }
 
-  [[nodiscard]] Errors run(std::unique_ptr<Estimator> estimator,
+  [[nodiscard]] Errors run(std::unique_ptr<AttitudeStream> attitudes,
                            const std::vector<ImuSample>& samples) const;
   void measure(const Stabilizer& stabilizer, const VirtualCamera& camera, Errors& errors) const;
 
@@ -103,13 +104,12 @@ class Rectification : public ::testing::TestWithParam<Part> {
   Lens lens_;
 };
 
-Errors Rectification::run(std::unique_ptr<Estimator> estimator,
+Errors Rectification::run(std::unique_ptr<AttitudeStream> attitudes,
                           const std::vector<ImuSample>& samples) const {
   StabilizerOptions options;
   options.zoom = {1.2, 1.2};  // the harshest frame is bent by 65 px
-  auto stabilizer =
-      Stabilizer::create(camera_, test::phone_axes(), make_causal_stream(std::move(estimator)),
-                         make_adaptive_hann_path({}, std::nullopt), options);
+  auto stabilizer = Stabilizer::create(camera_, test::phone_axes(), std::move(attitudes),
+                                       make_adaptive_hann_path({}, std::nullopt), options);
   if (!stabilizer) throw std::runtime_error(stabilizer.error().message);
   for (const ImuSample& sample : samples) stabilizer->push(sample);
   const int frames = static_cast<int>((GetParam().duration_s - 0.1) * camera_.fps);
@@ -160,8 +160,8 @@ TEST_P(Rectification, TrueOrientationDrawsTheTruth) {
   for (double t = -0.01; t < GetParam().duration_s; t += 0.001) {
     instants.push_back({time_from_seconds(t), Eigen::Vector3d::Zero(), std::nullopt});
   }
-  const Errors errors =
-      run(std::make_unique<TruthEstimator>(motion_, test::phone_axes()), instants);
+  const Errors errors = run(
+      make_causal_stream(std::make_unique<TruthEstimator>(motion_, test::phone_axes())), instants);
   fmt::print(
       "{}: before mean {:.3f} max {:.2f} px; after, true orientation: mean {:.4f} max {:.4f} "
       "px\n",
@@ -176,13 +176,21 @@ TEST_P(Rectification, TrueOrientationDrawsTheTruth) {
 TEST_P(Rectification, NoisySensorsStayClose) {
   const auto imu = SyntheticImu::create(phone_sensors(GetParam().duration_s), motion_);
   ASSERT_TRUE(imu) << imu.error().message;
-  const Errors errors = run(std::make_unique<ThesisEkf>(), samples_of(**imu));
-  fmt::print(
-      "{}: before mean {:.3f} max {:.2f} px; after, noisy sensors: mean {:.4f} max {:.4f} px "
-      "(one rotation a frame taken out)\n",
-      GetParam().name, test::mean(errors.before), test::maximum(errors.before),
-      test::mean(errors.after_without_rotation), test::maximum(errors.after_without_rotation));
-  EXPECT_LE(test::mean(errors.after_without_rotation), 0.6);
+  const std::vector<ImuSample> samples = samples_of(**imu);
+  const auto stays_close = [&](std::string_view name, std::unique_ptr<AttitudeStream> attitudes) {
+    const Errors errors = run(std::move(attitudes), samples);
+    fmt::print(
+        "{}: before mean {:.3f} max {:.2f} px; after, noisy sensors, {}: mean {:.4f} max {:.4f} px "
+        "(one rotation a frame taken out)\n",
+        GetParam().name, test::mean(errors.before), test::maximum(errors.before), name,
+        test::mean(errors.after_without_rotation), test::maximum(errors.after_without_rotation));
+    EXPECT_LE(test::mean(errors.after_without_rotation), 0.6);
+  };
+  stays_close("thesis EKF", make_causal_stream(std::make_unique<ThesisEkf>()));
+  stays_close("attitude EKF", make_causal_stream(AttitudeEkfParameters{}));
+  FixedLagSmootherParameters whole;
+  whole.lag = std::nullopt;
+  stays_close("attitude EKF, looking back", make_smoothed_stream(whole));
 }
 
 INSTANTIATE_TEST_SUITE_P(IphoneMotion, Rectification,

@@ -49,7 +49,7 @@ struct Moment {
 };
 
 /// A hand: turns by all axes within `amplitude` (rad), moves within some centimetres. True rates
-/// and forces, averaged over the interval before each stamp; 200 Hz.
+/// and forces at each stamp's instant; 200 Hz.
 std::vector<Moment> handheld(double duration_s, double amplitude_rad) {
   const auto attitude = [&](double t) {
     return rotation_from_vector(amplitude_rad * Eigen::Vector3d(std::sin(2.1 * t), 0, 0)) *
@@ -60,15 +60,15 @@ std::vector<Moment> handheld(double duration_s, double amplitude_rad) {
     return Eigen::Vector3d(1.2 * std::sin(7 * t), 0.8 * std::sin(5 * t + 1), 0.6 * std::cos(9 * t));
   };
   constexpr double kInterval_s = 0.005;
+  constexpr double kInstant_s = 1e-4;
   std::vector<Moment> moments;
   for (int i = 1; i * kInterval_s <= duration_s; ++i) {
     const double t = i * kInterval_s;
     const Eigen::Quaterniond q = attitude(t);
-    const Eigen::Vector3d turn = vector_from_rotation(attitude(t - kInterval_s).conjugate() * q);
-    const Eigen::Quaterniond q_middle = attitude(t - kInterval_s / 2);
-    moments.push_back({q,
-                       {time_from_seconds(t), turn / kInterval_s,
-                        q_middle.conjugate() * (acceleration(t - kInterval_s / 2) + kUp)}});
+    const Eigen::Vector3d turn = vector_from_rotation(attitude(t - kInstant_s / 2).conjugate() *
+                                                      attitude(t + kInstant_s / 2));
+    moments.push_back(
+        {q, {time_from_seconds(t), turn / kInstant_s, q.conjugate() * (acceleration(t) + kUp)}});
   }
   return moments;
 }

@@ -52,6 +52,21 @@ TEST(ReplayImu, MergesBothSensorsInOrderOfTimeAndLosesNothing) {
   EXPECT_EQ(next_accel, 5);
 }
 
+SensorDuration shift_of_first_gyro(const Session& session) {
+  ReplayImu imu(session);
+  EXPECT_TRUE(imu.start());
+  return session.gyro.front().time - time_of(read_all(imu).front());
+}
+
+TEST(ReplayImu, TakesTheSensorsDelayOffTheStamps) {
+  Session session = two_rates();
+  EXPECT_EQ(shift_of_first_gyro(session), std::chrono::microseconds(2500));  // the usual one
+  session.camera.emplace();
+  EXPECT_EQ(shift_of_first_gyro(session), SensorDuration::zero());  // in the camera's time offset
+  session.imu.delay = std::chrono::milliseconds(4);
+  EXPECT_EQ(shift_of_first_gyro(session), std::chrono::milliseconds(4));
+}
+
 TEST(ReplayImu, GivesTheAccelerometerFirstAtTheSameInstant) {
   ReplayImu imu(two_rates());
   ASSERT_TRUE(imu.start());

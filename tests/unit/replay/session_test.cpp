@@ -45,6 +45,7 @@ Session recording(const std::filesystem::path& folder) {
   camera.timestamp = TimestampReference::readout_end;
   session.camera = camera;
   session.imu.R_camera_imu << 0, -1, 0, -1, 0, 0, 0, 0, -1;
+  session.imu.delay = SensorDuration(1'900'001);
   session.imu_clock = "epoch";
   for (int i = 0; i < 200; ++i) {
     session.gyro.push_back({at(kEpoch_ns + i * 10'000'007LL), vector()});
@@ -68,6 +69,7 @@ TEST(SessionFolder, ComesBackAsItWasWritten) {
   EXPECT_EQ(read->quality, written.quality);
   EXPECT_EQ(read->imu_clock, written.imu_clock);
   EXPECT_EQ(read->imu.R_camera_imu, written.imu.R_camera_imu);
+  EXPECT_EQ(read->imu.delay, written.imu.delay);
   ASSERT_TRUE(read->camera);
   EXPECT_EQ(read->camera->size, written.camera->size);
   EXPECT_EQ(read->camera->fps, written.camera->fps);

@@ -37,17 +37,17 @@ Recording record(double duration_s) {
     return {sigma * normal(random), sigma * normal(random), sigma * normal(random)};
   };
   constexpr double kInterval_s = 0.01;
+  constexpr double kInstant_s = 1e-4;
   const Eigen::Vector3d bias(0.02, -0.01, 0.015);
   Recording recording;
   for (int i = 1; i * kInterval_s <= duration_s; ++i) {
     const double t = i * kInterval_s;
-    const double middle = t - kInterval_s / 2;
     const Eigen::Quaterniond q = attitude(t);
-    const Eigen::Vector3d rate =
-        vector_from_rotation(attitude(t - kInterval_s).conjugate() * q) / kInterval_s;
-    const Eigen::Vector3d push(1.2 * std::sin(7 * middle), 0.8 * std::sin(5 * middle), 0.5);
-    recording.samples.push_back({time_from_seconds(t), rate + bias + draw(0.005),
-                                 attitude(middle).conjugate() * (kUp + push) + draw(0.05)});
+    const Eigen::Vector3d turn = vector_from_rotation(attitude(t - kInstant_s / 2).conjugate() *
+                                                      attitude(t + kInstant_s / 2));
+    const Eigen::Vector3d push(1.2 * std::sin(7 * t), 0.8 * std::sin(5 * t), 0.5);
+    recording.samples.push_back({time_from_seconds(t), turn / kInstant_s + bias + draw(0.005),
+                                 q.conjugate() * (kUp + push) + draw(0.05)});
     recording.truth.push_back(q);
   }
   return recording;
