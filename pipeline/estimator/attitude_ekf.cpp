@@ -90,6 +90,7 @@ Attitude AttitudeEkf::update(const ImuSample& sample) {
 void AttitudeEkf::start(const ImuSample& sample) {
   state_.step.time = sample.time;
   state_.rate_mean_rad_s = sample.gyro_rad_s;
+  state_.step_rate_rad_s = sample.gyro_rad_s;
   if (sample.accel_m_s2) set_tilt(*sample.accel_m_s2);
   if (state_.step_count == 0) {
     state_.step.attitude_rows = state_.filter.covariance().topRows<3>();
@@ -107,12 +108,13 @@ void AttitudeEkf::continue_with(const ImuSample& sample) {
     return;
   }
   bridge_or_advance(sample, interval_s);
-  learn_intervals(sample, interval_s);
+  learn_intervals(interval_s);
   state_.step.time = sample.time;
   if (!state_.tilt_is_known && sample.accel_m_s2) {
     set_tilt(*sample.accel_m_s2);
   } else if (state_.filter.pending().interval_s + 0.5 * state_.usual_interval_s >=
              to_seconds(parameters_.step)) {
+    learn_rate_walk(sample, state_.filter.pending().interval_s);
     close_step();
   }
 }
@@ -171,15 +173,18 @@ void AttitudeEkf::add_lost_axes(const ImuSample& sample, double interval_s, Inte
   }
 }
 
-void AttitudeEkf::learn_intervals(const ImuSample& sample, double interval_s) {
+void AttitudeEkf::learn_intervals(double interval_s) {
   // A single pause must not pass for the usual rate.
   constexpr double kShare = 0.02;
   double& usual = state_.usual_interval_s;
   usual = usual > 0 ? usual + kShare * (std::min(interval_s, 2 * usual) - usual) : interval_s;
-  state_.rate_walk_rad2_s3 +=
-      share(interval_s, parameters_.rate_walk_memory_s) *
-      ((sample.gyro_rad_s - state_.last->gyro_rad_s).squaredNorm() / interval_s -
-       state_.rate_walk_rad2_s3);
+}
+
+void AttitudeEkf::learn_rate_walk(const ImuSample& sample, double interval_s) {
+  const Eigen::Vector3d change = sample.gyro_rad_s - state_.step_rate_rad_s;
+  state_.step_rate_rad_s = sample.gyro_rad_s;
+  state_.rate_walk_rad2_s3 += share(interval_s, parameters_.rate_walk_memory_s) *
+                              (change.squaredNorm() / interval_s - state_.rate_walk_rad2_s3);
 }
 
 void AttitudeEkf::set_tilt(const Eigen::Vector3d& accel_m_s2) {

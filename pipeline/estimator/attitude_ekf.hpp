@@ -97,7 +97,8 @@ struct AttitudeEkfState {
   ErrorStateFilter filter;
   double heading_held_back_rad = 0;  ///< of the filter's corrections, see AttitudeEkf
   double usual_interval_s = 0;
-  double rate_walk_rad2_s3 = 0;        ///< how fast the rate changes: mean of |change|²/interval
+  Eigen::Vector3d step_rate_rad_s = Eigen::Vector3d::Zero();  ///< at the end of the last step
+  double rate_walk_rad2_s3 = 0;  ///< how fast the rate changes: mean of |change|²/interval of steps
   double accel_mean_square_m2_s4 = 0;  ///< beside gravity
   Eigen::Vector3d rate_mean_rad_s = Eigen::Vector3d::Zero();
   double rate_variance_rad2_s2 = 0;
@@ -151,7 +152,8 @@ class AttitudeEkf final : public Estimator {
                                        const std::optional<Eigen::Vector3d>& accel_m_s2,
                                        double interval_s) const;
   void add_lost_axes(const ImuSample& sample, double interval_s, IntervalNoise& noise);
-  void learn_intervals(const ImuSample& sample, double interval_s);
+  void learn_intervals(double interval_s);
+  void learn_rate_walk(const ImuSample& sample, double interval_s);
   void set_tilt(const Eigen::Vector3d& accel_m_s2);
   void restart_tilt(const ImuSample& sample);
   void close_step();
