@@ -120,7 +120,7 @@ void AttitudeEkf::continue_with(const ImuSample& sample) {
 }
 
 void AttitudeEkf::bridge_or_advance(const ImuSample& sample, double interval_s) {
-  const Eigen::Vector3d gyro_rad_s = 0.5 * (state_.last->gyro_rad_s + sample.gyro_rad_s);
+  Eigen::Vector3d gyro_rad_s = 0.5 * (state_.last->gyro_rad_s + sample.gyro_rad_s);
   // Before the tilt is known, the force has no axes to be used in.
   const std::optional<Eigen::Vector3d> accel_m_s2 =
       state_.tilt_is_known ? mean_accel(*state_.last, sample) : std::nullopt;
@@ -136,7 +136,7 @@ void AttitudeEkf::bridge_or_advance(const ImuSample& sample, double interval_s) 
         (state_.accel_mean_square_m2_s4 + square(parameters_.unseen_accel_m_s2)) * interval_s *
         interval_s;
   }
-  add_lost_axes(sample, interval_s, noise);
+  account_for_lost_axes(sample, interval_s, gyro_rad_s, noise);
   state_.filter.advance(gyro_rad_s, accel_m_s2, interval_s, noise);
 }
 
@@ -160,17 +160,20 @@ IntervalNoise AttitudeEkf::noise_of(const Eigen::Vector3d& gyro_rad_s,
   return noise;
 }
 
-void AttitudeEkf::add_lost_axes(const ImuSample& sample, double interval_s, IntervalNoise& noise) {
-  const auto lost = state_.lost_axes.update(sample.gyro_rad_s, interval_s);
-  if (std::none_of(lost.begin(), lost.end(), [](bool is_lost) { return is_lost; })) return;
-  ++state_.counts.lost_samples;
-  const Eigen::Matrix3d R_world_imu = state_.filter.mean().q_world_imu.toRotationMatrix();
-  for (std::size_t i = 0; i < lost.size(); ++i) {
-    if (!lost[i]) continue;
-    const Eigen::Vector3d axis = R_world_imu.col(static_cast<Eigen::Index>(i));
+void AttitudeEkf::account_for_lost_axes(const ImuSample& sample, double interval_s,
+                                        Eigen::Vector3d& gyro_rad_s, IntervalNoise& noise) {
+  const auto losses = state_.lost_axes.update(sample.gyro_rad_s, interval_s);
+  bool any_is_lost = false;
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    const AxisLoss loss = losses[static_cast<std::size_t>(i)];
+    if (loss == AxisLoss::none) continue;
+    any_is_lost = true;
+    if (loss == AxisLoss::clipped) gyro_rad_s[i] *= 1 + parameters_.clipped_excess;
+    const Eigen::Vector3d axis = state_.filter.mean().q_world_imu * Eigen::Vector3d::Unit(i);
     noise.attitude_rad2 +=
         square(parameters_.lost_axis_density_rad_s_rthz) * interval_s * axis * axis.transpose();
   }
+  if (any_is_lost) ++state_.counts.lost_samples;
 }
 
 void AttitudeEkf::learn_intervals(double interval_s) {

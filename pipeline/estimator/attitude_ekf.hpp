@@ -60,6 +60,9 @@ struct AttitudeEkfParameters {
   double start_rate_walk_rad_s_rts = 30;  ///< how fast rates change, until it is known
   double rate_walk_memory_s = 0.5;
   double lost_axis_density_rad_s_rthz = 1.3;
+  /// A rate beyond the range lies so much beyond it on average, as a share of the range: of rates
+  /// that are normal with a sigma of 0.6 ranges.
+  double clipped_excess = 0.25;
   double unseen_accel_m_s2 = 2;  ///< acceleration while no accelerometer shows it
   double gap_intervals = 2.5;    ///< so many usual intervals without a sample are a gap
   SensorDuration longest_bridge = std::chrono::seconds(1);  ///< longer gaps start the tilt anew
@@ -151,7 +154,8 @@ class AttitudeEkf final : public Estimator {
   [[nodiscard]] IntervalNoise noise_of(const Eigen::Vector3d& gyro_rad_s,
                                        const std::optional<Eigen::Vector3d>& accel_m_s2,
                                        double interval_s) const;
-  void add_lost_axes(const ImuSample& sample, double interval_s, IntervalNoise& noise);
+  void account_for_lost_axes(const ImuSample& sample, double interval_s,
+                             Eigen::Vector3d& gyro_rad_s, IntervalNoise& noise);
   void learn_intervals(double interval_s);
   void learn_rate_walk(const ImuSample& sample, double interval_s);
   void set_tilt(const Eigen::Vector3d& accel_m_s2);

@@ -5,7 +5,7 @@
 
 namespace gimbal {
 
-std::array<bool, 3> LostAxes::update(const Eigen::Vector3d& gyro_rad_s, double interval_s) {
+std::array<AxisLoss, 3> LostAxes::update(const Eigen::Vector3d& gyro_rad_s, double interval_s) {
   const double forget = -std::expm1(-interval_s / parameters_.stuck_after_s);
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     Axis& axis = axes_[i];
@@ -16,22 +16,25 @@ std::array<bool, 3> LostAxes::update(const Eigen::Vector3d& gyro_rad_s, double i
     axis.value_rad_s = value;
     axis.largest_rad_s = std::max(axis.largest_rad_s, std::abs(value));
   }
-  std::array<bool, 3> lost{};
-  for (std::size_t i = 0; i < lost.size(); ++i) lost[i] = is_lost(i);
-  return lost;
+  std::array<AxisLoss, 3> losses{};
+  for (std::size_t i = 0; i < losses.size(); ++i) losses[i] = loss_of(i);
+  return losses;
 }
 
-bool LostAxes::is_lost(std::size_t axis) const {
+AxisLoss LostAxes::loss_of(std::size_t axis) const {
   const Axis& own = axes_[axis];
-  if (own.held_s <= 0) return false;
+  if (own.held_s <= 0) return AxisLoss::none;
   const double magnitude = std::abs(own.value_rad_s);
-  if (magnitude >= own.largest_rad_s && magnitude > parameters_.smallest_limit_rad_s) return true;
+  if (magnitude >= own.largest_rad_s && magnitude > parameters_.smallest_limit_rad_s) {
+    return AxisLoss::clipped;
+  }
   double others = 0;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     if (i != axis) others = std::max(others, axes_[i].step_variance_rad2_s2);
   }
-  return own.held_s > parameters_.stuck_after_s &&
-         others > parameters_.others_move_rad_s * parameters_.others_move_rad_s;
+  const bool is_stuck = own.held_s > parameters_.stuck_after_s &&
+                        others > parameters_.others_move_rad_s * parameters_.others_move_rad_s;
+  return is_stuck ? AxisLoss::stuck : AxisLoss::none;
 }
 
 }  // namespace gimbal

@@ -2,16 +2,20 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstdint>
 
 namespace gimbal {
 
 struct LostAxesParameters {
-  /// Below this a value that repeats is just coarse: sensors clip far above it.
-  double smallest_limit_rad_s = 1;
+  /// Below this a value that repeats is just coarse: no gyroscope has a smaller range.
+  double smallest_limit_rad_s = 2;
   /// An axis that repeats its value for this long, while the others move, is stuck.
   double stuck_after_s = 0.5;
   double others_move_rad_s = 0.003;  ///< from one sample to the next, root mean square
 };
+
+/// Why an axis does not measure.
+enum class AxisLoss : std::uint8_t { none, clipped, stuck };
 
 /// Finds gyroscope axes that do not measure: at the end of their range, or stuck. A sensor's range
 /// need not be known: a clipped axis repeats the largest value it has ever shown.
@@ -19,8 +23,8 @@ class LostAxes {
  public:
   explicit LostAxes(const LostAxesParameters& parameters = {}) : parameters_(parameters) {}
 
-  /// Takes the next sample; true for the axes that are lost.
-  std::array<bool, 3> update(const Eigen::Vector3d& gyro_rad_s, double interval_s);
+  /// Takes the next sample.
+  std::array<AxisLoss, 3> update(const Eigen::Vector3d& gyro_rad_s, double interval_s);
 
  private:
   struct Axis {
@@ -29,7 +33,7 @@ class LostAxes {
     double held_s = 0;
     double step_variance_rad2_s2 = 0;  ///< recent mean square of the change between samples
   };
-  [[nodiscard]] bool is_lost(std::size_t axis) const;
+  [[nodiscard]] AxisLoss loss_of(std::size_t axis) const;
 
   LostAxesParameters parameters_;
   std::array<Axis, 3> axes_;

@@ -143,7 +143,9 @@ void FixedLagSmoother::finish() {
   look_back_with_covariance();
   release_until(steps_.size() - 1);
   // After the last step the filter has measured nothing.
-  while (!samples_.empty()) release_sample(steps_.front(), steps_.front().correction);
+  while (!samples_.empty()) {
+    release_sample(steps_.front(), steps_.front().correction + offset_rad_);
+  }
 }
 
 std::optional<AttitudeEstimate> FixedLagSmoother::pop() {
@@ -176,7 +178,7 @@ void FixedLagSmoother::look_back_with_covariance() {
 
 void FixedLagSmoother::release_until(std::size_t last) {
   if (first_step_is_released_) {
-    heading_offset_rad_ = released_heading_rad_ - steps_.front().correction.z();
+    offset_rad_ = released_correction_rad_ - steps_.front().correction;
   } else {
     release_sample(steps_.front(), steps_.front().correction);
     first_step_is_released_ = true;
@@ -185,27 +187,28 @@ void FixedLagSmoother::release_until(std::size_t last) {
     release_step(steps_[0], steps_[1]);
     steps_.pop_front();
   }
-  released_heading_rad_ = steps_.front().correction.z() + heading_offset_rad_;
+  released_correction_rad_ = steps_.front().correction + offset_rad_;
 }
 
 void FixedLagSmoother::release_step(const HeldStep& before, const HeldStep& step) {
-  const Eigen::Vector3d at_start = before.correction;
-  const Eigen::Vector3d at_end = step.step.transition.is_continuous
-                                     ? correction_before_updates(step.correction, step.step)
-                                     : at_start;
   const double length_s = to_seconds(step.step.time - before.step.time);
+  const Eigen::Vector3d offset_at_start = offset_rad_;
+  offset_rad_.head<2>() *= std::exp(-length_s / parameters_.seam_memory_s);
+  const Eigen::Vector3d at_start = before.correction + offset_at_start;
+  const Eigen::Vector3d at_end =
+      offset_rad_ + (step.step.transition.is_continuous
+                         ? correction_before_updates(step.correction, step.step)
+                         : before.correction);
   for (std::size_t i = 1; i < step.sample_count; ++i) {
     const double fraction = to_seconds(samples_.front().time - before.step.time) / length_s;
     release_sample(step, at_start + fraction * (at_end - at_start));
   }
-  release_sample(step, step.correction);
+  release_sample(step, step.correction + offset_rad_);
 }
 
 void FixedLagSmoother::release_sample(const HeldStep& step, const Eigen::Vector3d& correction) {
   const HeldSample& sample = samples_.front();
-  const Eigen::Quaterniond heading(std::cos(heading_offset_rad_ / 2), 0, 0,
-                                   std::sin(heading_offset_rad_ / 2));
-  const Eigen::Quaterniond q = heading * rotation_from_vector(correction) * sample.q_world_imu;
+  const Eigen::Quaterniond q = rotation_from_vector(correction) * sample.q_world_imu;
   ready_.push_back({{sample.time, q.normalized()}, step.covariance, AttitudeOrigin::exact});
   samples_.pop_front();
 }

@@ -19,6 +19,9 @@ struct FixedLagSmootherParameters {
   SmootherLag lag = std::chrono::seconds(1);
   /// Answers are released so much at a time, all from one look back. Longer blocks leave seams.
   SensorDuration block = std::chrono::milliseconds(20);
+  /// A later look at the same instant changes its tilt. What was released does not change any more;
+  /// what follows comes over to the new tilt within this time, with no step.
+  double seam_memory_s = 0.5;
   /// How often the covariance of a fixed lag is worked out anew; meanwhile it is held, unless the
   /// filter's own grows.
   SensorDuration covariance_period = std::chrono::milliseconds(250);
@@ -30,8 +33,9 @@ struct FixedLagSmootherParameters {
 /// recording the answers are those of a Rauch-Tung-Striebel smoother.
 ///
 /// Answers come at the gyro's stamps. Between the filter's steps the correction is interpolated, so
-/// that there are no seams. With a fixed lag the heading of what was released stays as it was: a
-/// better bias turns what follows, with no step. Memory: about 2 kB a filter step within the lag.
+/// that there are no seams. With a fixed lag every look back knows better what was released: what
+/// follows keeps that heading for good, and comes over to the better tilt slowly. Memory: about 2
+/// kB a filter step within the lag.
 class FixedLagSmoother {
  public:
   explicit FixedLagSmoother(const FixedLagSmootherParameters& parameters = {});
@@ -79,8 +83,10 @@ class FixedLagSmoother {
   std::deque<HeldSample> samples_;  ///< not released yet, the oldest first
   std::deque<HeldStep> steps_;      ///< what is released lies before or at the first one
   bool first_step_is_released_ = false;
-  double heading_offset_rad_ = 0;    ///< from the latest look back to what was released
-  double released_heading_rad_ = 0;  ///< correction of the heading at the first step, as released
+  Eigen::Vector3d offset_rad_ =
+      Eigen::Vector3d::Zero();  ///< from the latest look back to what is released
+  Eigen::Vector3d released_correction_rad_ =
+      Eigen::Vector3d::Zero();                 ///< at the first step, as released
   std::optional<SensorTime> covariance_time_;  ///< when it was last worked out ...
   double filter_trace_rad2_ = 0;               ///< ... and the filter's own at that step
   std::deque<AttitudeEstimate> ready_;
