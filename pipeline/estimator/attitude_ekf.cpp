@@ -287,8 +287,13 @@ void AttitudeEkf::watch_bias(const ErrorStateFilter::Pending& step) {
   const double variance =
       parameters_.rate_density_s *
       (state_.rate_variance_rad2_s2 + square(parameters_.steadiest_rate_rad_s)) / step.interval_s;
+  const double newest = share(step.interval_s, memory_s);
+  const double hold_variance =
+      square(parameters_.hold_rate_rad_s) + state_.rate_variance_rad2_s2 * newest / (2 - newest);
   for (int i = 0; i < 3; ++i) {
-    measure(Index::gyro_bias + i, rate(i) - state_.filter.mean().gyro_bias_rad_s(i), variance);
+    const double bias = state_.filter.mean().gyro_bias_rad_s(i);
+    const double doubt = 1 + square(state_.rate_mean_rad_s(i) - bias) / hold_variance;
+    measure(Index::gyro_bias + i, rate(i) - bias, variance * doubt);
   }
 }
 

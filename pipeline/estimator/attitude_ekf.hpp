@@ -17,8 +17,8 @@ namespace gimbal {
 /// A gyroscope's bias and how well it is known, for example from the run before.
 struct GyroBias {
   Eigen::Vector3d bias_rad_s = Eigen::Vector3d::Zero();
-  /// An axis each. Data sheets of consumer sensors promise 5 deg/s at worst.
-  Eigen::Vector3d sigma_rad_s = Eigen::Vector3d::Constant(2.5 * std::numbers::pi / 180);
+  /// An axis each. Phones show up to 5.5 deg/s.
+  Eigen::Vector3d sigma_rad_s = Eigen::Vector3d::Constant(3.5 * std::numbers::pi / 180);
 };
 
 /// One set for all devices. Densities are one-sided, an axis.
@@ -48,10 +48,13 @@ struct AttitudeEkfParameters {
   double coarse_tilt_sigma_rad = 0.05;  ///< below this the velocity alone decides
   double accel_memory_s = 0.8;
   /// Turns come and go: the gyroscope's mean shows its bias, the better the steadier the device is.
-  /// Density of the rate as a measurement of the bias over the rate's recent variance.
-  double rate_density_s = 2.5;
-  double rate_memory_s = 0.2;
-  double steadiest_rate_rad_s = 0.008;
+  /// Density of the rate as a measurement of the bias over the rate's recent variance. A mean that
+  /// is further from the bias than a hand that holds still makes it is rather a pan, and counts
+  /// less.
+  double rate_density_s = 1.5;
+  double rate_memory_s = 0.1;
+  double steadiest_rate_rad_s = 0.004;
+  double hold_rate_rad_s = 0.012;
   double largest_bias_rad_s = 10 * std::numbers::pi / 180;  ///< faster is a pan, no bias
 
   // Start, gaps, lost axes.

@@ -21,7 +21,7 @@ struct FixedLagSmootherParameters {
   SensorDuration block = std::chrono::milliseconds(20);
   /// A later look at the same instant changes its tilt. What was released does not change any more;
   /// what follows comes over to the new tilt within this time, with no step.
-  double seam_memory_s = 0.5;
+  double seam_memory_s = 0.7;
   /// How often the covariance of a fixed lag is worked out anew; meanwhile it is held, unless the
   /// filter's own grows.
   SensorDuration covariance_period = std::chrono::milliseconds(250);

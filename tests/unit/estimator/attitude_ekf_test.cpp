@@ -151,6 +151,27 @@ TEST(AttitudeEkf, LearnsABiasAtRestAboutTheVerticalTooDespiteVibration) {
   EXPECT_LT((ekf.gyro_bias().bias_rad_s - bias).norm(), 0.3 * kDegree);
 }
 
+TEST(AttitudeEkf, APanAfterARestIsNoBias) {
+  for (const double pan_rad_s : {5 * kDegree, 9 * kDegree}) {  // slower could be a bias
+    AttitudeEkf ekf;
+    std::mt19937 random(3);
+    std::normal_distribution<double> normal;
+    Eigen::Vector3d tremor = Eigen::Vector3d::Zero();  // 0.01 rad/s with a memory of 30 ms
+    double heading_rad = 0;
+    Attitude answer;
+    for (int i = 0; i < 3000; ++i) {
+      for (double& rate : tremor) rate += -rate / 6 + 0.01 * std::sqrt(2.0 / 6) * normal(random);
+      const Eigen::Vector3d pan(0, 0, i < 1000 ? 0 : pan_rad_s);
+      answer = ekf.update({SensorTime(milliseconds(5 * i)), pan + tremor, kUp});
+      heading_rad += 0.005 * (pan + tremor).z();
+    }
+    const Eigen::Quaterniond& q = answer.q_world_imu;
+    const double error_rad =
+        std::remainder(2 * std::atan2(q.z(), q.w()) - heading_rad, 2 * std::numbers::pi);
+    EXPECT_LT(std::abs(error_rad), 0.1 * 10 * pan_rad_s) << "of 10 s at " << pan_rad_s << " rad/s";
+  }
+}
+
 TEST(AttitudeEkf, AWarmStartKnowsTheBiasFromTheFirstSample) {
   AttitudeEkfParameters parameters;
   parameters.gyro_bias.bias_rad_s = {0.1, 0, -0.05};
