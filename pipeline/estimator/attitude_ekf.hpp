@@ -18,7 +18,7 @@ namespace gimbal {
 struct GyroBias {
   Eigen::Vector3d bias_rad_s = Eigen::Vector3d::Zero();
   /// An axis each. Phones show up to 5.5 deg/s.
-  Eigen::Vector3d sigma_rad_s = Eigen::Vector3d::Constant(3.5 * std::numbers::pi / 180);
+  Eigen::Vector3d sigma_rad_s = Eigen::Vector3d::Constant(2.7 * std::numbers::pi / 180);
 };
 
 /// One set for all devices. Densities are one-sided, an axis.
@@ -40,7 +40,7 @@ struct AttitudeEkfParameters {
   // What hands and vehicles do. Velocity stays near zero, as a white measurement of zero whose
   // density is twice its variance times its correlation time; faster shakes move faster.
   double velocity_density_m2_s = 0.4;
-  double velocity_density_by_accel_s3 = 0.025;  ///< times the recent mean square acceleration
+  double velocity_density_by_accel_s3 = 0.03;  ///< times the recent mean square acceleration
   /// Acceleration beside gravity is bounded too, which brings a tilt that is badly known (at the
   /// start, after gaps and lost axes) near in no time. Later its correlation in time would mislead.
   double accel_density_m2_s3 = 0.06;
@@ -51,8 +51,8 @@ struct AttitudeEkfParameters {
   /// Density of the rate as a measurement of the bias over the rate's recent variance. A mean that
   /// is further from the bias than a hand that holds still makes it is rather a pan, and counts
   /// less.
-  double rate_density_s = 1.5;
-  double rate_memory_s = 0.1;
+  double rate_density_s = 0.8;
+  double rate_memory_s = 0.08;
   double steadiest_rate_rad_s = 0.004;
   double hold_rate_rad_s = 0.012;
   double largest_bias_rad_s = 10 * std::numbers::pi / 180;  ///< faster is a pan, no bias
