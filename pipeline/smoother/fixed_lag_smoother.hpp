@@ -24,7 +24,7 @@ struct FixedLagSmootherParameters {
   double seam_memory_s = 0.7;
   /// How often the covariance of a fixed lag is worked out anew; meanwhile it is held, unless the
   /// filter's own grows.
-  SensorDuration covariance_period = std::chrono::milliseconds(250);
+  SensorDuration covariance_period = std::chrono::milliseconds(500);
 };
 
 /// Orientations with the future taken into account: the attitude EKF forward, then back over its
