@@ -54,7 +54,8 @@ void set_variance(ErrorCovariance& P, int index, const Eigen::Vector3d& variance
 
 AttitudeEkf::AttitudeEkf(const AttitudeEkfParameters& parameters) : parameters_(parameters) {
   const AttitudeEkfParameters& p = parameters_;
-  state_.lost_axes = LostAxes(p.lost_axes);
+  state_.lost_gyro_axes = LostAxes(p.lost_gyro_axes);
+  state_.lost_accel_axes = LostAxes(p.lost_accel_axes);
   state_.rate_walk_rad2_s3 = square(p.start_rate_walk_rad_s_rts);
   state_.accel_mean_square_m2_s4 = 1;
   state_.rate_variance_rad2_s2 = 1;
@@ -74,7 +75,7 @@ Attitude AttitudeEkf::update(const ImuSample& sample) {
     return predict(sample.time).attitude;
   }
   ImuSample usable = sample;
-  if (sample.accel_m_s2 && !is_within(*sample.accel_m_s2, kLargestAccel_m_s2)) {
+  if (sample.accel_m_s2 && !accel_is_usable(sample)) {
     ++state_.counts.skipped_accel;
     usable.accel_m_s2.reset();
   }
@@ -85,6 +86,13 @@ Attitude AttitudeEkf::update(const ImuSample& sample) {
   }
   state_.last = {usable.time, usable.gyro_rad_s, usable.accel_m_s2};
   return {usable.time, shown_attitude()};
+}
+
+bool AttitudeEkf::accel_is_usable(const ImuSample& sample) {
+  if (!is_within(*sample.accel_m_s2, kLargestAccel_m_s2)) return false;
+  const double interval_s = state_.last ? to_seconds(sample.time - state_.last->time) : 0;
+  const auto losses = state_.lost_accel_axes.update(*sample.accel_m_s2, interval_s);
+  return std::ranges::all_of(losses, [](AxisLoss loss) { return loss == AxisLoss::none; });
 }
 
 void AttitudeEkf::start(const ImuSample& sample) {
@@ -162,7 +170,7 @@ IntervalNoise AttitudeEkf::noise_of(const Eigen::Vector3d& gyro_rad_s,
 
 void AttitudeEkf::account_for_lost_axes(const ImuSample& sample, double interval_s,
                                         Eigen::Vector3d& gyro_rad_s, IntervalNoise& noise) {
-  const auto losses = state_.lost_axes.update(sample.gyro_rad_s, interval_s);
+  const auto losses = state_.lost_gyro_axes.update(sample.gyro_rad_s, interval_s);
   bool any_is_lost = false;
   for (Eigen::Index i = 0; i < 3; ++i) {
     const AxisLoss loss = losses[static_cast<std::size_t>(i)];

@@ -72,13 +72,15 @@ struct AttitudeEkfParameters {
 
   /// The covariance is carried in steps of at least this length.
   SensorDuration step = std::chrono::milliseconds(20);
-  LostAxesParameters lost_axes;
+  LostAxesParameters lost_gyro_axes = kLostGyroAxes;
+  LostAxesParameters lost_accel_axes = kLostAccelAxes;
 };
 
 /// What an estimator met that was not as it should be.
 struct AttitudeEkfCounts {
-  std::size_t skipped_gyro = 0;   ///< not finite, beyond any sensor's range, or not later
-  std::size_t skipped_accel = 0;  ///< not finite or beyond any sensor's range
+  std::size_t skipped_gyro = 0;  ///< not finite, beyond any sensor's range, or not later
+  std::size_t skipped_accel =
+      0;  ///< not finite, beyond any sensor's range, an axis clipped or stuck
   std::size_t gaps = 0;
   std::size_t restarts = 0;      ///< gaps beyond the longest bridge
   std::size_t lost_samples = 0;  ///< with an axis clipped or stuck
@@ -108,7 +110,8 @@ struct AttitudeEkfState {
   double accel_mean_square_m2_s4 = 0;  ///< beside gravity
   Eigen::Vector3d rate_mean_rad_s = Eigen::Vector3d::Zero();
   double rate_variance_rad2_s2 = 0;
-  LostAxes lost_axes;
+  LostAxes lost_gyro_axes{kLostGyroAxes};
+  LostAxes lost_accel_axes{kLostAccelAxes};
   PlausibilityCheck plausibility;
   AttitudeEkfCounts counts;
   FilterStep step;
@@ -151,6 +154,7 @@ class AttitudeEkf final : public Estimator {
   void restore(const AttitudeEkfState& state) { state_ = state; }
 
  private:
+  [[nodiscard]] bool accel_is_usable(const ImuSample& sample);
   void start(const ImuSample& sample);
   void continue_with(const ImuSample& sample);
   void bridge_or_advance(const ImuSample& sample, double interval_s);

@@ -5,16 +5,16 @@
 
 namespace gimbal {
 
-std::array<AxisLoss, 3> LostAxes::update(const Eigen::Vector3d& gyro_rad_s, double interval_s) {
+std::array<AxisLoss, 3> LostAxes::update(const Eigen::Vector3d& values, double interval_s) {
   const double forget = -std::expm1(-interval_s / parameters_.stuck_after_s);
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     Axis& axis = axes_[i];
-    const double value = gyro_rad_s[static_cast<Eigen::Index>(i)];
-    const double step = value - axis.value_rad_s;
+    const double value = values[static_cast<Eigen::Index>(i)];
+    const double step = value - axis.value;
     axis.held_s = step == 0 ? axis.held_s + interval_s : 0;
-    axis.step_variance_rad2_s2 += forget * (step * step - axis.step_variance_rad2_s2);
-    axis.value_rad_s = value;
-    axis.largest_rad_s = std::max(axis.largest_rad_s, std::abs(value));
+    axis.step_variance += forget * (step * step - axis.step_variance);
+    axis.value = value;
+    axis.largest = std::max(axis.largest, std::abs(value));
   }
   std::array<AxisLoss, 3> losses{};
   for (std::size_t i = 0; i < losses.size(); ++i) losses[i] = loss_of(i);
@@ -24,16 +24,16 @@ std::array<AxisLoss, 3> LostAxes::update(const Eigen::Vector3d& gyro_rad_s, doub
 AxisLoss LostAxes::loss_of(std::size_t axis) const {
   const Axis& own = axes_[axis];
   if (own.held_s <= 0) return AxisLoss::none;
-  const double magnitude = std::abs(own.value_rad_s);
-  if (magnitude >= own.largest_rad_s && magnitude > parameters_.smallest_limit_rad_s) {
+  const double magnitude = std::abs(own.value);
+  if (magnitude >= own.largest && magnitude > parameters_.smallest_limit) {
     return AxisLoss::clipped;
   }
   double others = 0;
   for (std::size_t i = 0; i < axes_.size(); ++i) {
-    if (i != axis) others = std::max(others, axes_[i].step_variance_rad2_s2);
+    if (i != axis) others = std::max(others, axes_[i].step_variance);
   }
   const bool is_stuck = own.held_s > parameters_.stuck_after_s &&
-                        others > parameters_.others_move_rad_s * parameters_.others_move_rad_s;
+                        others > parameters_.others_move * parameters_.others_move;
   return is_stuck ? AxisLoss::stuck : AxisLoss::none;
 }
 

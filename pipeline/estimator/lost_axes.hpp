@@ -6,32 +6,39 @@
 
 namespace gimbal {
 
+/// In the sensor's unit: rad/s or m/s².
 struct LostAxesParameters {
-  /// Below this a value that repeats is just coarse: no gyroscope has a smaller range.
-  double smallest_limit_rad_s = 2;
+  /// Below this a value that repeats is just coarse: no sensor has a smaller range.
+  double smallest_limit = 0;
   /// An axis that repeats its value for this long, while the others move, is stuck.
   double stuck_after_s = 0.5;
-  double others_move_rad_s = 0.003;  ///< from one sample to the next, root mean square
+  double others_move = 0;  ///< from one sample to the next, root mean square
 };
+
+inline constexpr LostAxesParameters kLostGyroAxes{2, 0.5, 0.003};
+/// Accelerometers are coarser, so that at rest an axis may well repeat itself: no harm is done
+/// then.
+inline constexpr LostAxesParameters kLostAccelAxes{15, 1, 0.03};
 
 /// Why an axis does not measure.
 enum class AxisLoss : std::uint8_t { none, clipped, stuck };
 
-/// Finds gyroscope axes that do not measure: at the end of their range, or stuck. A sensor's range
+/// Finds axes of a gyroscope or an accelerometer that do not measure: at the end of their range, or
+/// stuck. A sensor's range
 /// need not be known: a clipped axis repeats the largest value it has ever shown.
 class LostAxes {
  public:
-  explicit LostAxes(const LostAxesParameters& parameters = {}) : parameters_(parameters) {}
+  explicit LostAxes(const LostAxesParameters& parameters) : parameters_(parameters) {}
 
   /// Takes the next sample.
-  std::array<AxisLoss, 3> update(const Eigen::Vector3d& gyro_rad_s, double interval_s);
+  std::array<AxisLoss, 3> update(const Eigen::Vector3d& values, double interval_s);
 
  private:
   struct Axis {
-    double largest_rad_s = 0;
-    double value_rad_s = 0;
+    double largest = 0;
+    double value = 0;
     double held_s = 0;
-    double step_variance_rad2_s2 = 0;  ///< recent mean square of the change between samples
+    double step_variance = 0;  ///< recent mean square of the change between samples
   };
   [[nodiscard]] AxisLoss loss_of(std::size_t axis) const;
 

@@ -349,6 +349,26 @@ TEST(AttitudeEkf, AStuckAxisIsFoundAndTheStateRecovers) {
   EXPECT_GT(ekf.counts().lost_samples, 700u);
 }
 
+TEST(AttitudeEkf, AStuckAxisOfTheAccelerometerDoesNotTiltTheWorld) {
+  for (int axis = 0; axis < 3; ++axis) {
+    AttitudeEkf ekf;
+    const std::vector<Moment> moments = handheld(30, 0.8);
+    double worst = 0;
+    double last = 0;
+    for (const Moment& moment : moments) {
+      ImuSample sample = moment.sample;
+      const double t = seconds_since_epoch(sample.time);
+      if (t > 10 && t < 20) (*sample.accel_m_s2)[axis] = 4;
+      const Attitude answer = ekf.update(sample);
+      last = tilt_between(answer.q_world_imu, moment.q_world_imu);
+      worst = std::max(worst, t > 10 ? last : 0);
+    }
+    EXPECT_LT(worst, 10 * kDegree) << "axis " << axis;  // until it is found, after a second
+    EXPECT_LT(last, 1.5 * kDegree) << "axis " << axis;
+    EXPECT_GT(ekf.counts().skipped_accel, 1500U);
+  }
+}
+
 TEST(AttitudeEkf, PredictsWithTheLastRate) {
   AttitudeEkf ekf;
   for (int i = 0; i <= 1000; ++i) {
