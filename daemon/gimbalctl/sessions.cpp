@@ -297,18 +297,16 @@ void add_show(CLI::App& sessions, CommandOutcome& outcome) {
 void add_import(CLI::App& sessions, CommandOutcome& outcome) {
   auto input = std::make_shared<std::string>();
   auto folder = std::make_shared<std::string>();
-  CLI::App* const import =
+  CLI::App* const command =
       sessions.add_subcommand("import", "Turn a recording of another kind into a session");
   std::vector<std::string_view> kinds;
   for (const Importer& importer : importers()) kinds.push_back(importer.kind);
-  import->add_option("INPUT", *input, fmt::format("{}", fmt::join(kinds, "; or ")))->required();
-  import->add_option("-o,--output", *folder, "New session folder")->required();
-  import->callback(
-      [input, folder, &outcome] { outcome = import_recording(*input, *folder);
-});
-}  // namespace
+  command->add_option("INPUT", *input, fmt::format("{}", fmt::join(kinds, "; or ")))->required();
+  command->add_option("-o,--output", *folder, "New session folder")->required();
+  command->callback([input, folder, &outcome] { outcome = import_recording(*input, *folder); });
+}
 
-}  // namespace gimbal
+}  // namespace
 
 void add_sessions_command(CLI::App& app, CommandOutcome& outcome) {
   CLI::App* const sessions = app.add_subcommand("sessions", "List, show and import recordings");
