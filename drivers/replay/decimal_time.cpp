@@ -39,7 +39,8 @@ std::optional<Decimal> parse_decimal(std::string_view text) {
   if (decimal.digits.empty()) return std::nullopt;
   if (i == text.size()) return decimal;
   if (text[i] != 'e' && text[i] != 'E') return std::nullopt;
-  if (++i < text.size() && text[i] == '+') ++i;
+  ++i;
+  if (i < text.size() && text[i] == '+') ++i;
   int exponent = 0;
   const auto [end, error] = std::from_chars(text.data() + i, text.data() + text.size(), exponent);
   if (error != std::errc() || end != text.data() + text.size()) return std::nullopt;

@@ -191,6 +191,7 @@ std::string format_duration(SensorDuration duration) {
 
 std::string format_lens(const LensParameters& lens) {
   std::vector<std::string> distortion;
+  distortion.reserve(lens.distortion.size());
   for (const double coefficient : lens.distortion) distortion.push_back(format_float(coefficient));
   return fmt::format("model = \"{}\"\nK = {}\ndistortion = [{}]\n",
                      name_of(kLensModels, lens.model), format_matrix(lens.K),

@@ -32,7 +32,8 @@ ImageSize scaled(ImageSize size, std::optional<int> width) {
   if (!width || *width <= 0) {
     return size;
   }
-  const auto height = (std::int64_t{2} * size.height * *width + size.width) / (2 * size.width);
+  const std::int64_t old_width = size.width;
+  const auto height = (2 * std::int64_t{size.height} * *width + old_width) / (2 * old_width);
   return {*width, std::max(1, static_cast<int>(height))};
 }
 

@@ -34,7 +34,7 @@ void HannPath::finish() {
 
 std::optional<FramePose> HannPath::pop() {
   if (ready_.empty()) return std::nullopt;
-  const FramePose next = ready_.front();
+  FramePose next = ready_.front();
   ready_.pop_front();
   return next;
 }

@@ -42,7 +42,7 @@ Vector3d low_passed(const std::vector<Rate>& rates, std::size_t center, double h
   };
   for (std::size_t i = center; i < rates.size() && add(rates[i]); ++i) {
   }
-  for (std::size_t i = center; i-- > 0 && add(rates[i]);) {
+  for (std::size_t i = center; i > 0 && add(rates[i - 1]); --i) {
   }
   return sum / weights;
 }

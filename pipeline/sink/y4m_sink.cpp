@@ -40,9 +40,9 @@ class PipeSignalBlock {
   }
 
  private:
-  sigset_t pipe_;
-  sigset_t mask_before_;
-  bool was_pending_;
+  sigset_t pipe_{};
+  sigset_t mask_before_{};
+  bool was_pending_ = false;
 };
 
 /// 0, or the error number.

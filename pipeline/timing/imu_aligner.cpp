@@ -38,7 +38,7 @@ void ImuAligner::finish() {
 
 std::optional<ImuSample> ImuAligner::pop() {
   if (ready_.empty()) return std::nullopt;
-  const ImuSample sample = ready_.front();
+  ImuSample sample = ready_.front();
   ready_.pop_front();
   return sample;
 }
