@@ -12,6 +12,7 @@
 
 #include "drivers/synthetic/rotation.hpp"
 #include "drivers/synthetic/world.hpp"
+#include "pipeline/sample/upright.hpp"
 
 namespace gimbal {
 namespace {
@@ -114,8 +115,7 @@ LogFit fit_to_gravity(const GriddedLog& log) {
   constexpr int kIterations = 8;
   constexpr double kDifference = 1e-6;
   LogFit fit;
-  fit.q_world_imu =
-      Eigen::Quaterniond::FromTwoVectors(log.accel_m_s2.front(), Eigen::Vector3d::UnitZ());
+  fit.q_world_imu = turn_upright(log.accel_m_s2.front());
   Vector5d prior_sigma;
   prior_sigma << kTiltSigma, kTiltSigma, Eigen::Vector3d::Constant(kBiasSigma);
   const Matrix5d prior = prior_sigma.array().square().inverse().matrix().asDiagonal();

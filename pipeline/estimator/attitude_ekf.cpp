@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/sample/upright.hpp"
+
 namespace gimbal {
 namespace {
 
@@ -201,8 +203,7 @@ void AttitudeEkf::learn_rate_walk(const ImuSample& sample, double interval_s) {
 void AttitudeEkf::set_tilt(const Eigen::Vector3d& accel_m_s2) {
   if (accel_m_s2.norm() < kSmallestAccelForTilt_m_s2) return;
   InertialState& mean = state_.filter.mean();
-  const auto turn =
-      Eigen::Quaterniond::FromTwoVectors(mean.q_world_imu * accel_m_s2, Eigen::Vector3d::UnitZ());
+  const Eigen::Quaterniond turn = turn_upright(mean.q_world_imu * accel_m_s2);
   mean.q_world_imu = (turn * mean.q_world_imu).normalized();
   mean.velocity_m_s.setZero();
   ErrorCovariance& P = state_.filter.covariance();

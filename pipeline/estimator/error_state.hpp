@@ -14,13 +14,15 @@ inline constexpr double kGravity_m_s2 = 9.81;  ///< along world -z
 /// Where each quantity lies in the error state. Attitude errors are rotation vectors in world axes,
 /// q_true = exp(attitude) q; every other error is true less estimated.
 struct ErrorIndex {
-  static constexpr int attitude = 0;      ///< rad, world axes
-  static constexpr int gyro_bias = 3;     ///< rad/s, IMU axes
-  static constexpr int velocity = 6;      ///< m/s, world axes
-  static constexpr int accel_bias = 9;    ///< m/s², IMU axes
-  static constexpr int gyro_scale = 12;   ///< an axis each: measured = (1 + scale) true + bias
-  static constexpr int accel_scale = 15;  ///< common to all axes
-  static constexpr int size = 16;
+  enum : int {
+    attitude = 0,      ///< rad, world axes
+    gyro_bias = 3,     ///< rad/s, IMU axes
+    velocity = 6,      ///< m/s, world axes
+    accel_bias = 9,    ///< m/s², IMU axes
+    gyro_scale = 12,   ///< an axis each: measured = (1 + scale) true + bias
+    accel_scale = 15,  ///< common to all axes
+    size = 16,
+  };
 };
 
 using ErrorState = Eigen::Matrix<double, ErrorIndex::size, 1>;

@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "pipeline/sample/upright.hpp"
+
 namespace gimbal {
 namespace {
 
@@ -80,8 +82,7 @@ void ThesisEkf::use_accel(const Eigen::Vector3d& accel_m_s2, SensorDuration inte
 void ThesisEkf::set_tilt(const Eigen::Vector3d& accel_m_s2) {
   if (accel_m_s2.norm() < kSmallestAccelForTilt_m_s2) return;
   const Eigen::Quaterniond q = to_quaternion(q_);
-  const auto upright = Eigen::Quaterniond::FromTwoVectors(q * accel_m_s2, Eigen::Vector3d::UnitZ());
-  q_ = to_vector((upright * q).normalized());
+  q_ = to_vector((turn_upright(q * accel_m_s2) * q).normalized());
   restart_covariance();
   tilt_is_known_ = true;
 }
