@@ -275,13 +275,14 @@ Result<std::pair<Session, SessionLogs>> read_gyroflow_recording(const std::files
   session.video = video;
   session.warnings.push_back(
       fmt::format("{}: frame times are the video's own ({:.2f} fps), and the log is taken to begin "
-                  "with it: gimbalctl sync finds the offset",
+                  "with it; if it does not, make a session of it (gimbalctl sessions import) and "
+                  "set camera.time_offset_s there",
                   video.filename().string(), info->fps));
   session.notes = {
       "From a video with a Gyroflow log. Frame times are the video's own.",
       "IMU axes are Gyroflow's: x up, y left, z back.",
       "time_offset_s moves Gyroflow's frame times, in the middle of the readout, to its "
-      "start; the true offset is not known (gimbalctl sync)."};
+      "start; when the log began is not known, it is taken to have begun with the video."};
   SessionLogs logs;
   logs.frames.file = video;
   logs.frames.samples = frames_of(*info);

@@ -102,15 +102,16 @@ Result<void> read_camera(TomlTable& table, SessionToml& out) {
   if (table.error()) return tl::unexpected(*table.error());
   if (camera.readout == SensorDuration{}) {
     out.warnings.emplace_back(
-        "session.toml: camera.readout_s is 0 or not given: rows count as exposed at once "
-        "(gimbalctl calibrate readout finds it)");
+        "session.toml: camera.readout_s is 0 or not given: rows count as exposed at once; give the "
+        "seconds that the sensor takes from its first row to its last");
   }
   if (table.has("K")) {
     out.session.camera = std::move(camera);
   } else {
     out.warnings.emplace_back(
-        "session.toml: camera.K is not given: the lens is not calibrated "
-        "(gimbalctl calibrate intrinsics finds it)");
+        "session.toml: camera.K is not given: the lens is not calibrated; give "
+        "[[fx, 0, cx], [0, fy, cy], [0, 0, 1]] in pixels, for instance from OpenCV's "
+        "calibrateCamera");
     out.session.camera_without_lens = std::move(camera);
   }
   return {};

@@ -260,8 +260,8 @@ Result<Session> read_gopro(const std::filesystem::path& input) {
       "From a GoPro's GPMF track. Its samples have no stamps: they are spread evenly over each "
       "payload.",
       "IMU axes are GoPro's: x left, y back, z up. Frame times are the video track's.",
-      "The lens is not known (gimbalctl calibrate intrinsics), nor is the time offset (gimbalctl "
-      "sync)."};
+      "The lens is not known: K has to be given under [camera]. Nor is time_offset_s, which stands "
+      "at 0."};
   return session;
 }
 

@@ -125,7 +125,7 @@ Result<Session> read_ios_logger(const std::filesystem::path& input) {
       "CoreMotion's sign and g.",
       fmt::format("K is the median over the frames; fx varied by {:.1f} px.",
                   spread(frames->fx_fy_cx_cy[0])),
-      "The log does not tell readout_s and time_offset_s (gimbalctl sync)."};
+      "The log does not tell readout_s and time_offset_s: both stand at 0."};
   return session;
 }
 
