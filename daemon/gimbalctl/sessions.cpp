@@ -13,8 +13,10 @@
 #include <vector>
 
 #include "daemon/gimbalctl/commands.hpp"
+#include "daemon/gimbalctl/stabilize_report.hpp"
 #include "drivers/replay/import/importer.hpp"
 #include "drivers/replay/session.hpp"
+#include "pipeline/sink/video_file.hpp"
 
 namespace gimbal {
 
@@ -50,7 +52,7 @@ StabilizedVersion describe_version(const std::filesystem::path& video) {
   StabilizedVersion version{video, 0, std::nullopt, std::nullopt};
   std::error_code ignored;
   version.bytes = std::filesystem::file_size(video, ignored);
-  std::ifstream file(std::filesystem::path(video).replace_extension(".json"));
+  std::ifstream file(report_beside(video));
   if (!file) return version;
   const Json report = Json::parse(file, nullptr, false);
   version.zoom = number(report, "zoom");
@@ -61,7 +63,7 @@ StabilizedVersion describe_version(const std::filesystem::path& video) {
 std::vector<StabilizedVersion> stabilized_versions(const Session& session) {
   std::vector<StabilizedVersion> versions;
   for (const std::filesystem::path& path : entries_of(session.folder / "stabilized")) {
-    const std::string extension = path.extension().string();
+    const std::string extension = lower_case_extension(path);
     if (extension != ".mp4" && extension != ".mkv" && extension != ".y4m") continue;
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(path, ignored)) continue;  // a link to what is gone

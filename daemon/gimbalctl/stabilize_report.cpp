@@ -55,6 +55,10 @@ Json to_json(const StabilizeReport& report) {
 
 }  // namespace
 
+std::filesystem::path report_beside(const std::filesystem::path& video) {
+  return video.string() + ".json";
+}
+
 Result<void> write_report(const StabilizeReport& report, const std::filesystem::path& file) {
   std::ofstream stream(file);
   // Names of files need not be UTF-8: what is not is replaced rather than refused.

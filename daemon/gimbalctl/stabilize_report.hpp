@@ -47,6 +47,10 @@ struct StabilizeReport {
   std::vector<std::string> warnings;
 };
 
+/// Where the report of a video in a session's folder `stabilized` stands: out.mp4.json for out.mp4,
+/// so that out.mkv has one of its own.
+[[nodiscard]] std::filesystem::path report_beside(const std::filesystem::path& video);
+
 [[nodiscard]] Result<void> write_report(const StabilizeReport& report,
                                         const std::filesystem::path& file);
 

@@ -340,7 +340,7 @@ void Job::add_to_session() {
     if (fs::is_symlink(listed, error)) fs::remove(listed, error);
     fs::create_symlink(video, listed, error);
   }
-  if (!error) (void)write_report(report_, fs::path(listed).replace_extension(".json"));
+  if (!error) (void)write_report(report_, report_beside(listed));
 }
 
 void Job::warn(std::string warning) {

@@ -125,6 +125,20 @@ TEST_F(Gimbalctl, SteadyVideosAreListedWithTheirSession) {
   EXPECT_EQ(Json::parse(gone.standard_output)["stabilized"].size(), 0U);
 }
 
+TEST_F(Gimbalctl, VideosThatDifferInTheirEndingAloneHaveReportsOfTheirOwn) {
+  const std::vector<std::pair<std::string, double>> zooms = {{"a.MP4", 1.1}, {"a.mkv", 1.2}};
+  for (const auto& [name, zoom] : zooms) {
+    (void)stabilize({"-o", path(name), "--zoom", std::to_string(zoom)});
+  }
+  const auto shown = gimbalctl({"sessions", "show", "--json", session()});
+  const Json listed = Json::parse(shown.standard_output)["stabilized"];
+  ASSERT_EQ(listed.size(), zooms.size());
+  for (std::size_t i = 0; i < zooms.size(); ++i) {
+    EXPECT_EQ(fs::path(listed[i]["video"]).filename(), zooms[i].first);
+    EXPECT_NEAR(listed[i]["zoom"], zooms[i].second, 1e-9);
+  }
+}
+
 TEST_F(Gimbalctl, OrientationsComeAtTheGyrosStamps) {
   const auto gyro = lines_of(fs::path(session()) / "gyro.csv").size();
   for (const std::vector<std::string>& how : std::vector<std::vector<std::string>>{

@@ -58,9 +58,9 @@ void write_session(const TemporaryFolder& folder) {
   folder.write("walk/video.mkv", "pictures");
   folder.write("walk/thumbnail.jpg", "picture");
   folder.write("walk/stabilized/half.mp4", std::string(1'500'000, 'x'));
-  folder.write("walk/stabilized/half.json", "{\"zoom\": 1.15, \"amount\": 0.5}");
+  folder.write("walk/stabilized/half.mp4.json", "{\"zoom\": 1.15, \"amount\": 0.5}");
   folder.write("walk/stabilized/other.mkv", "x");
-  folder.write("walk/stabilized/other.json", "[not a report");
+  folder.write("walk/stabilized/other.mkv.json", "[not a report");
   folder.write("walk/stabilized/notes.txt", "x");
   std::filesystem::create_symlink("/nowhere/gone.mp4", folder.path() / "walk/stabilized/gone.mp4");
 }
