@@ -139,6 +139,34 @@ TEST_F(Gimbalctl, VideosThatDifferInTheirEndingAloneHaveReportsOfTheirOwn) {
   }
 }
 
+/// Runs gimbalctl with its standard output into a pipe that nobody reads any more; what it said and
+/// its status come on standard error. `redirection`: of the shell, such as "2>&1".
+std::string said_without_reader(const std::vector<std::string>& arguments,
+                                const std::string& redirection) {
+  // The inner shell alone outlives writing to nobody: it waits until the reader has gone.
+  const std::string script =
+      "{ (trap '' PIPE; while echo; do sleep 0.01; done) 2>/dev/null; \"$@\" " + redirection +
+      "; echo \"status $?\" >&2; } | :";
+  std::vector<std::string> line = {"sh", "-c", script, "sh", GIMBALCTL};
+  line.insert(line.end(), arguments.begin(), arguments.end());
+  return test::run_program(line, kLimit_s).standard_error;
+}
+
+TEST_F(Gimbalctl, AReaderThatIsGoneEndsItInOneLine) {
+  const std::vector<std::vector<std::string>> commands = {
+      {"stabilize", session(), "-o", "-", "--warper", "cpu"},
+      {"stabilize", session(), "-o", "y4menc ! fdsink", "--warper", "cpu"},
+      {"orient", session(), "-o", "-"},
+      {"sessions", "show", session()}};
+  for (const std::vector<std::string>& command : commands) {
+    const std::string said = said_without_reader(command, "");
+    EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 2) << said;
+    EXPECT_TRUE(said.starts_with("gimbalctl: ")) << said;
+    EXPECT_TRUE(said.ends_with("\nstatus 1\n")) << said;
+    EXPECT_EQ(said_without_reader(command, "2>&1"), "status 1\n");
+  }
+}
+
 TEST_F(Gimbalctl, OrientationsComeAtTheGyrosStamps) {
   const auto gyro = lines_of(fs::path(session()) / "gyro.csv").size();
   for (const std::vector<std::string>& how : std::vector<std::vector<std::string>>{
