@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <iterator>
+#include <optional>
 #include <utility>
 
 #include "drivers/replay/video_decoder.hpp"
+#include "drivers/replay/video_probe.hpp"
 #include "pipeline/gstreamer/gst_frames.hpp"
 
 namespace gimbal {
@@ -18,6 +22,35 @@ double rate_of(const GstVideoInfo& info) {
   return GST_VIDEO_INFO_FPS_D(&info) == 0
              ? 0
              : static_cast<double>(GST_VIDEO_INFO_FPS_N(&info)) / GST_VIDEO_INFO_FPS_D(&info);
+}
+
+/// On the clock that the file's streams share; nothing if the file gives none.
+std::optional<SensorDuration> media_time_of(GstSample* picture) {
+  const GstClockTime stamp = GST_BUFFER_PTS(gst_sample_get_buffer(picture));
+  guint64 time = 0;
+  const int sign = gst_segment_to_running_time_full(gst_sample_get_segment(picture),
+                                                    GST_FORMAT_TIME, stamp, &time);
+  if (!GST_CLOCK_TIME_IS_VALID(stamp) || sign == 0) {
+    return std::nullopt;
+  }
+  return SensorDuration(sign * static_cast<std::int64_t>(time));
+}
+
+/// Places are told by times only where each picture has one of its own.
+std::vector<SensorDuration> usable_times(std::vector<SensorDuration> times) {
+  const bool is_ambiguous = std::adjacent_find(times.begin(), times.end()) != times.end();
+  return is_ambiguous ? std::vector<SensorDuration>{} : std::move(times);
+}
+
+/// `times` are not empty and rise.
+std::ptrdiff_t nearest(const std::vector<SensorDuration>& times, SensorDuration time) {
+  const auto later = std::lower_bound(times.begin(), times.end(), time);
+  if (later == times.begin()) {
+    return 0;
+  }
+  const auto earlier = std::prev(later);
+  const bool is_earlier = later == times.end() || time - *earlier < *later - time;
+  return (is_earlier ? earlier : later) - times.begin();
 }
 
 }  // namespace
@@ -36,65 +69,77 @@ Result<void> ReplayCamera::start() {
   if (!gst_video_info_from_caps(&info, (*decoder)->caps())) {
     return bad_input(fmt::format("{}: its picture format is not understood", video_.string()));
   }
+  auto coded = probe_video(video_);
+  if (!coded) {
+    return tl::unexpected(coded.error());
+  }
   format_ = {size_of(info), fps_ > 0 ? fps_ : rate_of(info), color_of((*decoder)->caps())};
+  coded_count_ = coded->frame_count;
+  coded_times_ = usable_times(std::move(coded->frame_times));
   next_ = 0;
-  picture_ = 0;
+  place_ = -1;
   has_ended_ = false;
-  frames_without_stamp_ = 0;
-  stamps_without_frame_ = 0;
+  counts_ = {};
   warnings_.clear();
   decoder_ = *std::move(decoder);
   return {};
 }
 
 Result<std::optional<VideoFrame>> ReplayCamera::read() {
-  if (!decoder_ || has_ended_ || decoder_->is_interrupted()) {
-    return std::nullopt;
+  while (decoder_ && !has_ended_ && !decoder_->is_interrupted()) {
+    auto picture = decoder_->next();
+    if (!picture) {
+      return tl::unexpected(picture.error());
+    }
+    if (*picture == nullptr) {
+      end_of_video();
+    } else if (is_wanted(media_time_of(picture->get()))) {
+      return deliver(map_frame(picture->get(), stamps_[next_]));
+    }
   }
-  if (next_ == stamps_.size()) {
-    return end_of_video();
+  return std::nullopt;
+}
+
+/// Steps on to the picture's place in the video and to the stamp for it, if there is one.
+bool ReplayCamera::is_wanted(std::optional<SensorDuration> media_time) {
+  ++counts_.pictures;
+  const std::int64_t place = place_of(media_time);
+  if (place <= place_) {
+    ++counts_.out_of_order;
+    return false;
   }
-  if (auto skipped = skip_pictures_without_stamp(); !skipped) {
-    return tl::unexpected(skipped.error());
+  place_ = place;
+  for (; next_ < stamps_.size() && stamps_[next_].index < place_; ++next_) {
+    ++counts_.stamps_passed;
   }
-  auto sample = decoder_->next();
-  if (!sample) {
-    return tl::unexpected(sample.error());
+  const bool has_stamp = next_ < stamps_.size() && stamps_[next_].index == place_;
+  if (!has_stamp) {
+    ++counts_.without_stamp;
   }
-  if (*sample == nullptr) {
-    return decoder_->is_interrupted() ? std::nullopt : end_of_video();
+  media_time_ = media_time.value_or(media_time_);
+  return has_stamp;
+}
+
+/// A decoder passes over pictures that are too damaged, so the times of all that are in the file
+/// tell the place; where it has no times the pictures are counted.
+std::int64_t ReplayCamera::place_of(std::optional<SensorDuration> media_time) const {
+  if (!media_time || coded_times_.empty()) {
+    return place_ + 1;
   }
-  auto frame = map_frame(sample->get(), stamps_[next_]);
+  return nearest(coded_times_, *media_time);
+}
+
+Result<std::optional<VideoFrame>> ReplayCamera::deliver(std::optional<VideoFrame> frame) {
   if (!frame) {
-    return failed(fmt::format("{}: picture {} cannot be read", video_.string(), picture_));
+    return failed(fmt::format("{}: picture {} cannot be read", video_.string(), place_));
   }
   if (frame->size != format_.size) {
     return bad_input(fmt::format("{}: picture {} is {}x{}, but the first was {}x{}",
-                                 video_.string(), picture_, frame->size.width, frame->size.height,
+                                 video_.string(), place_, frame->size.width, frame->size.height,
                                  format_.size.width, format_.size.height));
   }
-  const GstClockTime media_time = GST_BUFFER_PTS(gst_sample_get_buffer(sample->get()));
-  if (GST_CLOCK_TIME_IS_VALID(media_time)) {
-    media_time_ = SensorDuration(static_cast<std::int64_t>(media_time));
-  }
   ++next_;
-  ++picture_;
   return frame;
-}
-
-/// Up to the picture that the next stamp is for, or the end.
-Result<void> ReplayCamera::skip_pictures_without_stamp() {
-  for (; picture_ < stamps_[next_].index; ++picture_) {
-    auto sample = decoder_->next();
-    if (!sample) {
-      return tl::unexpected(sample.error());
-    }
-    if (*sample == nullptr) {
-      return {};
-    }
-    ++frames_without_stamp_;
-  }
-  return {};
 }
 
 void ReplayCamera::stop() {
@@ -103,35 +148,60 @@ void ReplayCamera::stop() {
   }
 }
 
-Result<std::optional<VideoFrame>> ReplayCamera::end_of_video() {
-  if (auto counted = count_rest(); !counted) {
-    return tl::unexpected(counted.error());
-  }
+void ReplayCamera::end_of_video() {
   has_ended_ = true;
-  stamps_without_frame_ = static_cast<std::int64_t>(stamps_.size() - next_);
   warnings_ = decoder_->warnings();
-  if (frames_without_stamp_ > 0) {
-    warnings_.push_back(
-        fmt::format("{}: {} pictures have no stamp in the frame list and are left out",
-                    video_.string(), frames_without_stamp_));
-  }
-  if (stamps_without_frame_ > 0) {
-    warnings_.push_back(fmt::format("{}: holds no picture for the last {} stamps of the frame list",
-                                    video_.string(), stamps_without_frame_));
-  }
-  return std::nullopt;
+  const auto warn = [this](std::int64_t count, const std::string& text) {
+    if (count > 0) warnings_.push_back(fmt::format("{}: {}", video_.string(), text));
+  };
+  warn(counts_.without_stamp,
+       fmt::format("{} pictures have no stamp in the frame list and are left out",
+                   counts_.without_stamp));
+  warn(counts_.out_of_order,
+       fmt::format("damaged: {} pictures came after later ones and are left out",
+                   counts_.out_of_order));
+  warn(
+      counts_.stamps_passed,
+      fmt::format("damaged: {} pictures that the frame list has cannot be decoded and are left out",
+                  counts_.stamps_passed));
+  const std::int64_t left = std::ssize(stamps_) - static_cast<std::int64_t>(next_);
+  warn(left, fmt::format("holds no picture for the last {} stamps of the frame list", left));
+  warn_of_uncertain_places();
 }
 
-Result<void> ReplayCamera::count_rest() {
-  auto sample = decoder_->next();
-  while (sample && *sample != nullptr) {
-    ++frames_without_stamp_;
-    sample = decoder_->next();
+/// Where pictures are missing and nothing tells which, later ones may have got a wrong stamp.
+void ReplayCamera::warn_of_uncertain_places() {
+  const std::int64_t lost = coded_count_ - counts_.pictures;
+  if (coded_times_.empty() && lost > 0) {
+    warnings_.push_back(fmt::format(
+        "{}: damaged: {} of {} pictures cannot be decoded, and the file has no times that tell "
+        "which: from the first of them on, frames may have the stamps of up to {} frames earlier",
+        video_.string(), lost, coded_count_, lost));
   }
-  if (!sample) {
-    return tl::unexpected(sample.error());
+  if (next_ < stamps_.size()) {
+    warn_of_leap();
   }
-  return {};
+}
+
+void ReplayCamera::warn_of_leap() {
+  constexpr double kLeapInMeans = 1.5;
+  if (coded_times_.size() < 3) {
+    return;
+  }
+  std::size_t at = 1;
+  for (std::size_t i = 2; i < coded_times_.size(); ++i) {
+    if (coded_times_[i] - coded_times_[i - 1] > coded_times_[at] - coded_times_[at - 1]) at = i;
+  }
+  const SensorDuration leap = coded_times_[at] - coded_times_[at - 1];
+  const double mean_s = to_seconds(coded_times_.back() - coded_times_.front()) /
+                        static_cast<double>(coded_times_.size() - 1);
+  if (to_seconds(leap) < kLeapInMeans * mean_s) {
+    return;
+  }
+  warnings_.push_back(fmt::format(
+      "{}: its own times leap by {:.3f} s after picture {}: if pictures are missing there, those "
+      "that follow have got the stamps of earlier ones",
+      video_.string(), to_seconds(leap), at - 1));
 }
 
 }  // namespace gimbal

@@ -5,8 +5,10 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <fstream>
 #include <ostream>
+#include <sstream>
 #include <thread>
 
 #include "tests/support/gst_playback.hpp"
@@ -18,6 +20,7 @@ namespace gimbal {
 namespace {
 
 using test::irregular_stamps;
+using ::testing::Contains;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
@@ -219,6 +222,92 @@ TEST(ReplayCameraErrorsTest, NamesThePackageOfAMissingDecoder) {
   EXPECT_THAT(started.error().message, HasSubstr("apt install gstreamer1.0-libav"));
 }
 
+void overwrite_middle(const std::filesystem::path& video, int bytes) {
+  std::fstream file(video, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(static_cast<std::streamoff>(std::filesystem::file_size(video) / 2));
+  file << std::string(static_cast<std::size_t>(bytes), '\xa5');
+}
+
+bool is_picture(const VideoFrame& frame, std::int64_t index) {
+  for (int y = 0; y < 48; ++y) {
+    for (int x = 0; x < 64; ++x) {
+      const auto luma = frame.planes[0].data[y * frame.planes[0].stride_bytes + x];
+      if (luma != test::sample_of(index, 0, x, y)) return false;
+    }
+  }
+  return true;
+}
+
+class LostPicturesTest : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(LostPicturesTest, LeaveTheOthersTheirStamps) {
+  const test::TemporaryFolder folder;
+  const auto path = folder.path() / "video.mp4";
+  make_lossless_video(path, 60, std::string(GetParam()) + " ! mp4mux");
+  overwrite_middle(path, 3000);
+  const auto stamps = irregular_stamps(60);
+  ReplayCamera camera(path, stamps, 10);
+  const auto started = camera.start();
+  ASSERT_TRUE(started) << started.error().message;
+
+  const auto frames = read_all(camera);
+  ASSERT_LT(frames.size(), 60U) << "nothing is lost, so that nothing is tested";
+  std::vector<std::int64_t> intact;
+  for (const VideoFrame& frame : frames) {
+    const auto index = static_cast<std::size_t>(frame.stamp.index);
+    EXPECT_EQ(frame.stamp.time, stamps[index].time);
+    if (is_picture(frame, frame.stamp.index)) intact.push_back(frame.stamp.index);
+  }
+  // What is wrong reaches from one key frame to the next, and perhaps over the one after that.
+  EXPECT_GE(intact.size(), 45U);
+  EXPECT_EQ(std::count_if(intact.begin(), intact.end(), [](auto index) { return index >= 45; }),
+            15);
+  EXPECT_EQ(camera.stamps_without_frame(), 60 - std::ssize(frames));
+  EXPECT_THAT(camera.warnings(), Contains(HasSubstr("cannot be decoded")));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Order, LostPicturesTest,
+    ::testing::Values("x264enc pass=quant quantizer=0 key-int-max=5 bframes=0",
+                      "x264enc pass=quant quantizer=0 key-int-max=5 bframes=2"));
+
+TEST(LostPictures, ThatNoTimesTellApartAreWarnedOf) {
+  const test::TemporaryFolder folder;
+  const auto path = folder.path() / "video.avi";  // its H.264 has no presentation times
+  make_lossless_video(path, 60, "x264enc pass=quant quantizer=0 key-int-max=5 bframes=0 ! avimux");
+  overwrite_middle(path, 3000);
+  ReplayCamera camera(path, irregular_stamps(60), 10);
+  ASSERT_TRUE(camera.start());
+  EXPECT_LT(read_all(camera).size(), 60U);
+  EXPECT_THAT(camera.warnings(), Contains(HasSubstr("no times that tell which")));
+}
+
+/// Takes the middle one of a Matroska file's clusters out, as if it had been overwritten.
+void remove_middle_cluster(const std::filesystem::path& video) {
+  const std::string kCluster = "\x1f\x43\xb6\x75";
+  std::ostringstream content;
+  content << std::ifstream(video, std::ios::binary).rdbuf();
+  std::string bytes = content.str();
+  const std::size_t from = bytes.find(kCluster, bytes.size() / 2);
+  ASSERT_NE(from, std::string::npos);
+  bytes.erase(from, bytes.find(kCluster, from + 1) - from);
+  std::ofstream(video, std::ios::binary) << bytes;
+}
+
+TEST(LostPictures, ThatAreGoneFromTheFileAreWarnedOf) {
+  const test::TemporaryFolder folder;
+  const auto path = folder.path() / "video.mkv";
+  make_lossless_video(path, 60, "avenc_ffv1 ! matroskamux max-cluster-duration=1000000000");
+  remove_middle_cluster(path);
+  ReplayCamera camera(path, irregular_stamps(60), 10);
+  ASSERT_TRUE(camera.start());
+  const auto lost = 60 - std::ssize(read_all(camera));
+  ASSERT_GT(lost, 0);
+  EXPECT_THAT(camera.warnings(),
+              Contains(HasSubstr(fmt::format("its own times leap by {:.3f} s after picture 29",
+                                             0.1 * static_cast<double>(lost + 1)))));
+}
+
 struct Damage {
   const char* name;
   const char* file;
@@ -259,17 +348,15 @@ TEST_P(DamagedVideoTest, CutInHalfDeliversWhatIsThere) {
 }
 
 TEST_P(DamagedVideoTest, GarbageInTheMiddleEndsSomehow) {
-  {
-    std::fstream file(video_, std::ios::in | std::ios::out | std::ios::binary);
-    file.seekp(static_cast<std::streamoff>(std::filesystem::file_size(video_) / 2));
-    file << std::string(3000, '\xa5');
-  }
+  overwrite_middle(video_, 3000);
   ReplayCamera camera(video_, irregular_stamps(60), 10);
   const auto started = camera.start();
   ASSERT_TRUE(started) << started.error().message;
   std::size_t count = 0;
+  std::int64_t last_index = -1;
   for (auto frame = camera.read(); frame && *frame; frame = camera.read()) {
-    EXPECT_EQ((*frame)->stamp.index, static_cast<std::int64_t>(count));
+    EXPECT_GT((*frame)->stamp.index, last_index);
+    last_index = (*frame)->stamp.index;
     ++count;
   }
   EXPECT_GT(count, 20U);
