@@ -4,7 +4,10 @@
 #include <gst/gst.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
+#include <cstring>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <vector>
@@ -80,6 +83,31 @@ inline Playback play(const std::string& pipeline_text) {
   gst_object_unref(out);
   gst_object_unref(pipeline);
   return playback;
+}
+
+/// Times, in seconds, at which sound sets in after at least 0.5 s of silence.
+inline std::vector<double> sound_onsets(const std::filesystem::path& path) {
+  constexpr int kSampleRate = 48000;
+  const auto playback = play("filesrc location=" + path.string() +
+                             " ! decodebin ! audioconvert ! audioresample ! "
+                             "audio/x-raw,format=F32LE,channels=1,rate=48000 ! appsink name=out");
+  std::vector<double> found;
+  double last_sound = -1;
+  for (const auto& buffer : playback.buffers) {
+    std::vector<float> samples(buffer.bytes.size() / sizeof(float));
+    std::memcpy(samples.data(), buffer.bytes.data(), samples.size() * sizeof(float));
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+      const double time =
+          1e-9 * static_cast<double>(buffer.running_time_ns) + static_cast<double>(i) / kSampleRate;
+      if (std::abs(samples[i]) > 0.3F) {
+        if (time - last_sound > 0.5) {
+          found.push_back(time);
+        }
+        last_sound = time;
+      }
+    }
+  }
+  return found;
 }
 
 /// Runs a pipeline to its end, to make a file.

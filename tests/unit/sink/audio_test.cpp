@@ -2,8 +2,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <cstring>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -57,31 +55,6 @@ Result<std::vector<std::string>> write_with_audio(const std::filesystem::path& o
   return (*sink)->warnings();
 }
 
-/// Times, in seconds, at which sound sets in after at least 0.5 s of silence.
-std::vector<double> onsets(const std::filesystem::path& path) {
-  const auto playback = test::play(fmt::format(
-      "filesrc location={} ! decodebin ! audioconvert ! audio/x-raw,format=F32LE,channels=1 ! "
-      "appsink name=out",
-      path.string()));
-  std::vector<double> found;
-  double last_sound = -1;
-  for (const auto& buffer : playback.buffers) {
-    std::vector<float> samples(buffer.bytes.size() / sizeof(float));
-    std::memcpy(samples.data(), buffer.bytes.data(), samples.size() * sizeof(float));
-    for (std::size_t i = 0; i < samples.size(); ++i) {
-      const double time =
-          1e-9 * static_cast<double>(buffer.running_time_ns) + static_cast<double>(i) / kSampleRate;
-      if (std::abs(samples[i]) > 0.3F) {
-        if (time - last_sound > 0.5) {
-          found.push_back(time);
-        }
-        last_sound = time;
-      }
-    }
-  }
-  return found;
-}
-
 std::vector<std::vector<std::uint8_t>> coded_stream(const std::filesystem::path& path,
                                                     const std::string& demuxer,
                                                     const std::string& pad) {
@@ -133,7 +106,7 @@ class AudioTest : public ::testing::TestWithParam<AudioCase> {
 };
 
 TEST_P(AudioTest, StaysInSync) {
-  const std::vector<double> in_recording = onsets(recording_);
+  const std::vector<double> in_recording = test::sound_onsets(recording_);
   ASSERT_GE(in_recording.size(), 3U);
   for (const auto offset : {std::chrono::milliseconds(0), std::chrono::milliseconds(350),
                             std::chrono::milliseconds(-650)}) {
@@ -146,7 +119,7 @@ TEST_P(AudioTest, StaysInSync) {
         expected.push_back(shifted);
       }
     }
-    std::vector<double> heard = onsets(out_);
+    std::vector<double> heard = test::sound_onsets(out_);
     std::erase_if(heard, [](double time) { return time <= 0.1 || time >= 3.5; });
     EXPECT_THAT(heard, Pointwise(DoubleNear(0.003), expected))
         << "offset " << offset.count() << " ms";
