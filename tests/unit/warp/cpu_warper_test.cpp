@@ -11,19 +11,11 @@
 #include "pipeline/warp/warper.hpp"
 #include "tests/unit/warp/warp_scene.hpp"
 
-namespace gimbal {
+namespace gimbal::warp_scene {
 namespace {
 
 using Eigen::Vector2d;
 using testing::HasSubstr;
-using warp_scene::make_picture;
-using warp_scene::mesh_of_map;
-using warp_scene::plane_bytes;
-using warp_scene::View;
-
-Vector2d same(const Vector2d& source) {
-  return source;
-}
 
 VideoFrame warp_on_cpu(const VideoFrame& source, const WarpMesh& mesh) {
   return make_cpu_warper()->warp(source, mesh).value();
@@ -59,10 +51,10 @@ INSTANTIATE_TEST_SUITE_P(Sizes, CpuWarperSizes,
 TEST(CpuWarper, TakesAnyStride) {
   const ImageSize size{321, 181};
   const VideoFrame picture = make_picture(size, {});
-  const WarpMesh mesh = warp_scene::shaky_mesh(size, size, Border::crop, View::zoomed_in);
+  const WarpMesh mesh = shaky_mesh(size, size, Border::crop, View::zoomed_in);
   const VideoFrame expected = warp_on_cpu(picture, mesh);
   for (const auto& [luma, chroma] : {std::pair{321, 322}, {333, 323}, {-400, -350}}) {
-    const VideoFrame drawn = warp_on_cpu(warp_scene::with_strides(picture, luma, chroma), mesh);
+    const VideoFrame drawn = warp_on_cpu(with_strides(picture, luma, chroma), mesh);
     EXPECT_EQ(plane_bytes(drawn, 0), plane_bytes(expected, 0)) << luma;
     EXPECT_EQ(plane_bytes(drawn, 1), plane_bytes(expected, 1)) << chroma;
   }
@@ -176,7 +168,7 @@ TEST_P(CpuWarperLooks, EveryPixelIsTheBilinearSampleOfItsSource) {
   const ImageSize source_size{241, 135};
   const ImageSize output_size{200, 113};
   const VideoFrame picture = make_picture(source_size, {"", siting});
-  const WarpMesh mesh = warp_scene::shaky_mesh(source_size, output_size, border, view);
+  const WarpMesh mesh = shaky_mesh(source_size, output_size, border, view);
   const VideoFrame drawn = warp_on_cpu(picture, mesh);
   int covered = 0;
   for (int y = 0; y < output_size.height; ++y) {
@@ -311,4 +303,4 @@ TEST(CpuWarper, RefusesAFrameOrAMeshWithNothingInIt) {
 }
 
 }  // namespace
-}  // namespace gimbal
+}  // namespace gimbal::warp_scene

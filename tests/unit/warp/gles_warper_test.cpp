@@ -16,15 +16,11 @@
 #include "pipeline/warp/warper.hpp"
 #include "tests/unit/warp/warp_scene.hpp"
 
-namespace gimbal {
+namespace gimbal::warp_scene {
 namespace {
 
 using Eigen::Vector2d;
 using testing::HasSubstr;
-using warp_scene::make_picture;
-using warp_scene::mesh_of_map;
-using warp_scene::plane_bytes;
-using warp_scene::View;
 
 struct Difference {
   double share_above_2;  ///< of all bytes
@@ -75,7 +71,7 @@ TEST_P(GlesAgainstCpu, AgreesForEveryBorder) {
   const VideoFrame picture = make_picture(size, {"bt709", ChromaSiting::left});
   for (const Border border : {Border::crop, Border::extend, Border::mirror, Border::black}) {
     for (const View view : {View::zoomed_in, View::zoomed_out}) {
-      const WarpMesh mesh = warp_scene::shaky_mesh(size, size, border, view);
+      const WarpMesh mesh = shaky_mesh(size, size, border, view);
       const auto drawn = (*gles)->warp(picture, mesh);
       ASSERT_TRUE(drawn) << drawn.error().message;
       const std::string what = "border " + std::to_string(static_cast<int>(border)) + ", view " +
@@ -99,10 +95,6 @@ INSTANTIATE_TEST_SUITE_P(Sizes, GlesAgainstCpu,
                              {{641, 361}, GlesVersion::gles2},
                          }),
                          case_name);
-
-Vector2d same(const Vector2d& source) {
-  return source;
-}
 
 class GlesWarper : public testing::TestWithParam<GlesVersion> {
  protected:
@@ -131,7 +123,7 @@ TEST_P(GlesWarper, AgreesWithCpuForOtherSizesSitingsAndRanges) {
   const auto cpu = make_cpu_warper();
   const VideoFrame picture = make_picture(source, {"1:4:0:0", ChromaSiting::center});
   for (const Border border : {Border::black, Border::mirror}) {
-    const WarpMesh mesh = warp_scene::shaky_mesh(source, output, border, View::zoomed_out);
+    const WarpMesh mesh = shaky_mesh(source, output, border, View::zoomed_out);
     expect_alike(gles->warp(picture, mesh).value(), cpu->warp(picture, mesh).value(), "full range");
   }
 }
@@ -140,11 +132,10 @@ TEST_P(GlesWarper, TakesAnyStride) {
   const ImageSize size{321, 181};
   const auto warper = make(size, size);
   const VideoFrame picture = make_picture(size, {});
-  const WarpMesh mesh = warp_scene::shaky_mesh(size, size, Border::crop, View::zoomed_in);
+  const WarpMesh mesh = shaky_mesh(size, size, Border::crop, View::zoomed_in);
   const VideoFrame expected = warper->warp(picture, mesh).value();
   for (const auto& [luma, chroma] : {std::pair{321, 322}, {400, 400}, {333, 323}, {-400, -350}}) {
-    const VideoFrame drawn =
-        warper->warp(warp_scene::with_strides(picture, luma, chroma), mesh).value();
+    const VideoFrame drawn = warper->warp(with_strides(picture, luma, chroma), mesh).value();
     EXPECT_EQ(plane_bytes(drawn, 0), plane_bytes(expected, 0)) << luma;
     EXPECT_EQ(plane_bytes(drawn, 1), plane_bytes(expected, 1)) << chroma;
   }
@@ -220,4 +211,4 @@ INSTANTIATE_TEST_SUITE_P(Versions, GlesWarper,
                          });
 
 }  // namespace
-}  // namespace gimbal
+}  // namespace gimbal::warp_scene

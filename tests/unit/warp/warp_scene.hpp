@@ -29,6 +29,11 @@ enum class View : std::uint8_t {
     ImageSize source, ImageSize output, Border border,
     const std::function<Eigen::Vector2d(Eigen::Vector2d)>& output_of);
 
+/// For mesh_of_map: everything stays where it is.
+[[nodiscard]] inline Eigen::Vector2d same(const Eigen::Vector2d& source) {
+  return source;
+}
+
 /// Gradients, sharp edges and noise of every scale in all planes, full contrast; seeded.
 [[nodiscard]] VideoFrame make_picture(ImageSize size, const ColorInfo& color);
 
