@@ -92,8 +92,7 @@ void add_options(CLI::App& command, Arguments& arguments) {
   command.add_option("--border", arguments.border, "What to show past the edge of the frame")
       ->transform(CLI::IsMember(names_of(kBorders)))
       ->option_text("crop|extend|mirror|black [crop]");
-  command
-      .add_option("--warper", arguments.warper, "What draws: gles or cpu (unset: gles, else cpu)")
+  command.add_option("--warper", arguments.warper, "What draws [gles if there is a GPU, else cpu]")
       ->check(CLI::IsMember(names_of(kWarpers)))
       ->option_text("gles|cpu");
   command.add_option("--estimator", arguments.estimator, "How orientation is estimated")

@@ -35,6 +35,7 @@ Json to_json(const StabilizeReport& report) {
         {"warp", report.warp.seconds()},
         {"encode", report.encode.seconds()}}},
       {"warper", report.warper},
+      {"warper_reason", report.warper_reason},
       {"gl_renderer", report.warper == "gles" ? Json(report.renderer) : Json(nullptr)},
       {"peak_memory_bytes", peak_memory_bytes()},
       {"estimator", report.estimator},

@@ -23,6 +23,7 @@ struct StabilizeReport {
   double latency_s = 0;                       ///< what the path waits for; 0 when all is known
 
   std::string warper;
+  std::string warper_reason;  ///< why this one
   std::string renderer;
 
   std::int64_t frames_in = 0;

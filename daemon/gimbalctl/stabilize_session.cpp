@@ -84,6 +84,7 @@ class Job {
   [[nodiscard]] Result<void> plan();
   [[nodiscard]] Result<void> open_streams();
   [[nodiscard]] Result<void> make_warper(ImageSize size);
+  void take_best_warper(ImageSize size);
   [[nodiscard]] AudioTrack audio() const;
   [[nodiscard]] Result<void> write_all();
   [[nodiscard]] Result<std::optional<VideoFrame>> next_frame();
@@ -223,17 +224,33 @@ Result<void> Job::open_streams() {
 }
 
 Result<void> Job::make_warper(ImageSize size) {
-  if (request_.warper != WarperKind::cpu) {
-    auto gles = make_gles_warper(size, size);
-    if (gles) {
-      warper_ = std::move(*gles);
-      return {};
-    }
-    if (request_.warper == WarperKind::gles) return tl::unexpected(gles.error());
-    warn(gles.error().message + "; drawing on the CPU");
+  if (!request_.warper) {
+    take_best_warper(size);
+    return {};
   }
-  warper_ = make_cpu_warper();
+  report_.warper_reason = "asked for";
+  if (request_.warper == WarperKind::cpu) {
+    warper_ = make_cpu_warper();
+    return {};
+  }
+  auto gles = make_gles_warper(size, size);
+  if (!gles) return tl::unexpected(gles.error());
+  warper_ = std::move(*gles);
   return {};
+}
+
+/// A GPU if there is one. GLES without one is slower than drawing on the CPU straight away.
+void Job::take_best_warper(ImageSize size) {
+  auto gles = make_gles_warper(size, size);
+  if (gles && !is_software_renderer((*gles)->renderer())) {
+    report_.warper_reason = "there is a GPU";
+    warper_ = std::move(*gles);
+    return;
+  }
+  if (!gles) warn(gles.error().message + "; drawing on the CPU");
+  report_.warper_reason =
+      gles ? "no GPU: GLES would draw with " + (*gles)->renderer() : gles.error().message;
+  warper_ = make_cpu_warper();
 }
 
 /// The recording's audio, moved so that what was heard with the first written picture comes first.
@@ -289,6 +306,7 @@ Result<VideoFrame> Job::warp(const VideoFrame& frame, const WarpMesh& mesh) {
   auto drawn = warper_->warp(frame, mesh);
   if (drawn || request_.warper || warper_->name() == "cpu") return drawn;
   warn(drawn.error().message + "; drawing on the CPU from here on");
+  report_.warper_reason = drawn.error().message;
   warper_ = make_cpu_warper();
   return warper_->warp(frame, mesh);
 }

@@ -25,7 +25,7 @@ struct StabilizeRequest {
   PathLatency latency;         ///< frames; none for the whole recording
   std::optional<double> zoom;  ///< none: as little as is needed
   Border border = Border::crop;
-  std::optional<WarperKind> warper;  ///< none: GLES, else the CPU
+  std::optional<WarperKind> warper;  ///< none: GLES on a GPU, else the CPU
   EstimatorKind estimator = EstimatorKind::ekf;
   PathKind path = PathKind::adaptive_hann;
   Correction correction = Correction::rectify_and_stabilize;

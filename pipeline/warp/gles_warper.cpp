@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <optional>
 #include <utility>
 
@@ -125,6 +126,17 @@ class GlesWarper final : public Warper {
 };
 
 }  // namespace
+
+bool is_software_renderer(std::string_view gl_renderer) {
+  constexpr std::array<std::string_view, 4> kNames = {"llvmpipe", "softpipe", "swiftshader",
+                                                      "software rasterizer"};
+  std::string renderer(gl_renderer);
+  std::transform(renderer.begin(), renderer.end(), renderer.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return std::any_of(kNames.begin(), kNames.end(), [&](std::string_view name) {
+    return renderer.find(name) != std::string::npos;
+  });
+}
 
 Result<std::unique_ptr<Warper>> make_gles_warper(ImageSize source, ImageSize output,
                                                  GlesVersion version) {

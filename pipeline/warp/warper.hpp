@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "pipeline/sample/result.hpp"
 #include "pipeline/sample/video_frame.hpp"
@@ -41,5 +42,9 @@ enum class GlesVersion : std::uint8_t {
 /// `warp` fails: make a new warper.
 [[nodiscard]] Result<std::unique_ptr<Warper>> make_gles_warper(
     ImageSize source, ImageSize output, GlesVersion version = GlesVersion::best);
+
+/// Whether a GL_RENDERER draws on the CPU: Mesa's llvmpipe and softpipe, SwiftShader, or something
+/// else on top of one of these. The CPU warper needs a fraction of their time.
+[[nodiscard]] bool is_software_renderer(std::string_view gl_renderer);
 
 }  // namespace gimbal

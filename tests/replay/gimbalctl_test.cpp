@@ -48,9 +48,14 @@ class Gimbalctl : public ::testing::Test {
   [[nodiscard]] std::string session() const { return path("session"); }
 
   /// The report of a run that must succeed.
-  [[nodiscard]] Json stabilize(std::vector<std::string> options) const {
-    std::vector<std::string> arguments = {"stabilize", session(),  "--warper",
-                                          "cpu",       "--report", path("report.json")};
+  [[nodiscard]] Json stabilize(const std::vector<std::string>& options) const {
+    return stabilize_with({"--warper", "cpu"}, options);
+  }
+
+  [[nodiscard]] Json stabilize_with(const std::vector<std::string>& warper,
+                                    const std::vector<std::string>& options) const {
+    std::vector<std::string> arguments = {"stabilize", session(), "--report", path("report.json")};
+    arguments.insert(arguments.end(), warper.begin(), warper.end());
     arguments.insert(arguments.end(), options.begin(), options.end());
     const auto run = gimbalctl(arguments);
     EXPECT_EQ(run.exit_status, 0) << run.standard_error;
@@ -76,6 +81,20 @@ TEST_F(Gimbalctl, StabilizesWithALogAndAReport) {
   ASSERT_EQ(log.size(), frames + 1);
   EXPECT_EQ(log.front(), "index,t_s,qw,qx,qy,qz,fx,fy,cx,cy,border_px");
   EXPECT_EQ(std::count(log.back().begin(), log.back().end(), ','), 10);
+}
+
+TEST_F(Gimbalctl, SoftwareGlesIsTakenOnlyWhenAskedFor) {
+  ASSERT_EQ(setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1), 0);  // Mesa's; for the programs run from here
+  const Json unset = stabilize_with({}, {"-o", path("out.mkv")});
+  const Json asked = stabilize_with({"--warper", "gles"}, {"-o", path("out.mkv")});
+  unsetenv("LIBGL_ALWAYS_SOFTWARE");
+  EXPECT_EQ(unset["warper"], "cpu");
+  EXPECT_TRUE(unset["gl_renderer"].is_null());
+  EXPECT_EQ(unset["warnings"].size(), 0U);
+  const std::string renderer = asked["gl_renderer"];
+  EXPECT_EQ(asked["warper"], "gles");
+  EXPECT_EQ(asked["warper_reason"], "asked for");
+  EXPECT_EQ(unset["warper_reason"], "no GPU: GLES would draw with " + renderer);
 }
 
 TEST_F(Gimbalctl, RectifyingAloneLeavesTheMotionWhateverTheZoom) {

@@ -210,5 +210,22 @@ INSTANTIATE_TEST_SUITE_P(Versions, GlesWarper,
                            return version.param == GlesVersion::best ? "best" : "gles2";
                          });
 
+TEST(SoftwareRenderer, IsToldByItsName) {
+  for (const char* name :
+       {"llvmpipe (LLVM 15.0.6, 256 bits)", "softpipe", "Google SwiftShader",
+        "ANGLE (Google, Vulkan 1.3.0 (SwiftShader Device (Subzero) (0x0000C0DE)), SwiftShader "
+        "driver-5.0.0)",
+        "zink Vulkan 1.3(llvmpipe (LLVM 19.1.7, 256 bits) (MESA_LLVMPIPE))",
+        "virgl (LLVMPIPE (LLVM 15.0.6, 256 bits))", "Software Rasterizer"}) {
+    EXPECT_TRUE(is_software_renderer(name)) << name;
+  }
+  for (const char* name :
+       {"V3D 7.1.7", "Mali-G610 (Panfrost)", "Mali400", "VC4 V3D 2.1", "Vivante GC3000 rev 5450",
+        "NVIDIA Tegra Orin (nvgpu)/integrated", "FD630", "SVGA3D; build: RELEASE;  LLVM;",
+        "AMD Radeon Graphics (radeonsi, renoir, LLVM 15.0.6, DRM 3.49, 6.1.0)", ""}) {
+    EXPECT_FALSE(is_software_renderer(name)) << name;
+  }
+}
+
 }  // namespace
 }  // namespace gimbal::warp_scene
