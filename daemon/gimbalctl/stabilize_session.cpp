@@ -139,7 +139,6 @@ Result<void> Job::plan() {
       return bad_input(session_.folder.string() +
                        ": no gyro samples, so no camera path to log: leave --path-log out");
     }
-    warn("no gyro samples: frames pass through as they are");
     report_.estimator = "none";
     report_.path = "none";
     return {};
@@ -372,7 +371,8 @@ Result<void> stabilize_session(const StabilizeRequest& request) {
   const auto session = open_session(request.session);
   if (!session) return tl::unexpected(session.error());
   if (session->video.empty()) {
-    return bad_input(request.session.string() + ": no video in this session");
+    return bad_input(request.session.string() +
+                     ": no video in this session: video.mkv, video.mp4 or video.mov is expected");
   }
   if (!session->camera && !session->gyro.empty()) {
     return bad_input(

@@ -165,7 +165,9 @@ void ReplayCamera::end_of_video() {
       fmt::format("damaged: {} pictures that the frame list has cannot be decoded and are left out",
                   counts_.stamps_passed));
   const std::int64_t left = std::ssize(stamps_) - static_cast<std::int64_t>(next_);
-  warn(left, fmt::format("holds no picture for the last {} stamps of the frame list", left));
+  warn(left,
+       fmt::format("holds no picture for the last {} stamps of the frame list: is it cut short?",
+                   left));
   warn_of_uncertain_places();
 }
 

@@ -181,7 +181,8 @@ Result<void> adopt_gyro(GyroLog log, Session& session) {
   Result<void> prepared = prepare(log, kPlausibleImuStep, kImuGapInMedians, session.warnings);
   if (!prepared) return prepared;
   if (log.samples.size() < 2) {
-    return bad_input(fmt::format("{}: only one usable sample", log.file.string()));
+    return bad_input(
+        fmt::format("{}: only one usable sample, at least two are needed", log.file.string()));
   }
   session.gyro = std::move(log.samples);
   check_gyro_unit(log.file.filename().string(), session);

@@ -236,10 +236,12 @@ template <typename Sample>
 Result<void> check_has_samples(const StampedLog<Sample>& log) {
   if (!log.samples.empty()) return {};
   if (log.rows_not_finite == 0) {
-    return bad_input(fmt::format("{}: no rows after the header", log.file.string()));
+    return bad_input(fmt::format(
+        "{}: no rows after the header; leave the file out if there are none", log.file.string()));
   }
-  return bad_input(fmt::format("{}: all {} rows have values that are not finite", log.file.string(),
-                               log.rows_not_finite));
+  return bad_input(
+      fmt::format("{}: all {} rows have values that are not finite; numbers are expected",
+                  log.file.string(), log.rows_not_finite));
 }
 
 template <typename Sample>
