@@ -90,7 +90,8 @@ void add_orient_command(CLI::App& app, CommandOutcome& outcome) {
       ->required();
   command
       ->add_option("-o,--output", arguments->out,
-                   "FILE.csv or - with t_s,qw,qx,qy,qz: q_world_imu, world z up, at t_s: "
+                   "FILE.csv or - with t_s,qw,qx,qy,qz: q_world_imu, world z up (without an "
+                   "accelerometer the world is the IMU at its first sample), at t_s: "
                    "the gyro's stamps less the delay of its filters")
       ->required();
   CLI::Option* causal =

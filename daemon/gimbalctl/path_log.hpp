@@ -12,6 +12,8 @@ namespace gimbal {
 /// The virtual camera of every written frame, so that anyone can check the picture: a CSV file with
 /// `index,t_s,qw,qx,qy,qz,fx,fy,cx,cy,border_px`. t_s is the frame's stamp as recorded, q is
 /// q_world_camera, fx to cy are in pixels, border_px counts output pixels without a source.
+/// World z is up; of a recording without an accelerometer the world is the real camera of the first
+/// frame, in the middle of the exposure of its reference row.
 class PathLog {
  public:
   [[nodiscard]] static Result<PathLog> open(const std::filesystem::path& file);

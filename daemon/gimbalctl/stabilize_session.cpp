@@ -105,6 +105,7 @@ class Job {
 
   std::optional<Stabilizer> stabilizer_;  ///< none without a gyro: frames pass through
   std::vector<VirtualCamera> cameras_;    ///< one a frame stamp
+  Eigen::Quaterniond q_log_world_ = Eigen::Quaterniond::Identity();  ///< to the path log's world
   std::unique_ptr<ReplayCamera> source_;
   std::optional<VideoFrame> first_frame_;  ///< read before the sink was opened
   std::unique_ptr<Warper> warper_;
@@ -170,6 +171,10 @@ Result<void> Job::plan() {
     while (const auto camera = stabilizer_->next_camera()) cameras_.push_back(*camera);
   });
   if (!stabilizer_->suspicion().empty()) warn(std::string(stabilizer_->suspicion()));
+  // Nothing tells then which way is up, and the first frame's camera is the world.
+  if (session_.accel.empty()) {
+    q_log_world_ = stabilizer_->real_pose(session_.frames.front()).q_world_camera.conjugate();
+  }
   measure_steadiness();
   return {};
 }
@@ -318,7 +323,10 @@ void Job::note(const VirtualCamera& camera, std::int64_t border_px) {
   report_.border_px += border_px;
   report_.border_px_most = std::max(report_.border_px_most, border_px);
   if (border_px > 0) ++frames_with_border_;
-  if (path_log_) path_log_->write(camera, border_px);
+  if (!path_log_) return;
+  VirtualCamera logged = camera;
+  logged.q_world_camera = q_log_world_ * camera.q_world_camera;
+  path_log_->write(logged, border_px);
 }
 
 Result<void> Job::finish() {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -81,6 +82,35 @@ TEST_F(Gimbalctl, StabilizesWithALogAndAReport) {
   ASSERT_EQ(log.size(), frames + 1);
   EXPECT_EQ(log.front(), "index,t_s,qw,qx,qy,qz,fx,fy,cx,cy,border_px");
   EXPECT_EQ(std::count(log.back().begin(), log.back().end(), ','), 10);
+}
+
+/// The orientation in a line of a path log.
+Eigen::Quaterniond orientation_in(const std::string& line) {
+  std::istringstream fields(line);
+  std::vector<double> numbers;
+  for (std::string field; std::getline(fields, field, ',');) numbers.push_back(std::stod(field));
+  return {numbers.at(2), numbers.at(3), numbers.at(4), numbers.at(5)};
+}
+
+TEST_F(Gimbalctl, WithoutAnAccelerometerTheWorldIsTheFirstFramesCamera) {
+  const std::vector<std::string> options = {
+      "-o",       path("out.mkv"), "--rectify-only", "--zoom",        "1",
+      "--border", "black",         "--path-log",     path("path.csv")};
+  (void)stabilize(options);
+  const auto upright = lines_of(path("path.csv"));
+  fs::remove(fs::path(session()) / "accel.csv");
+  (void)stabilize(options);
+  const auto log = lines_of(path("path.csv"));
+  ASSERT_EQ(log.size(), upright.size());
+  const Eigen::Quaterniond q_first = orientation_in(log[1]);
+  EXPECT_LT(q_first.angularDistance(Eigen::Quaterniond::Identity()), 1e-6);
+  // The same turns as in a world whose z is up, but for what the accelerometer corrects.
+  const Eigen::Quaterniond q_up_first = orientation_in(upright[1]);
+  EXPECT_GT(q_up_first.angularDistance(Eigen::Quaterniond::Identity()), 0.1);
+  for (std::size_t i = 1; i < log.size(); ++i) {
+    const Eigen::Quaterniond turn = q_up_first.conjugate() * orientation_in(upright[i]);
+    EXPECT_LT(turn.angularDistance(orientation_in(log[i])), 0.02) << log[i];
+  }
 }
 
 TEST_F(Gimbalctl, SoftwareGlesIsTakenOnlyWhenAskedFor) {
