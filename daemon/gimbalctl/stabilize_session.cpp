@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -15,6 +14,7 @@
 #include "daemon/gimbalctl/warnings.hpp"
 #include "drivers/replay/replay_camera.hpp"
 #include "drivers/replay/session.hpp"
+#include "drivers/replay/stamped_log.hpp"
 #include "pipeline/path/steadiness.hpp"
 #include "pipeline/sink/frame_sink.hpp"
 #include "pipeline/stabilizer.hpp"
@@ -49,14 +49,8 @@ ZoomChoice zoom_choice(const StabilizeRequest& request) {
 
 /// Frames a second by the stamps themselves: the median step counts, so that gaps do not.
 double rate_of(const std::vector<FrameStamp>& frames) {
-  if (frames.size() < 2) return kThesisFps;
-  std::vector<SensorDuration> steps;
-  for (std::size_t i = 1; i < frames.size(); ++i) {
-    steps.push_back(frames[i].time - frames[i - 1].time);
-  }
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return 1 / to_seconds(*middle);
+  const double step_s = to_seconds(median_step(frames));
+  return step_s > 0 ? 1 / step_s : kThesisFps;
 }
 
 /// What the path waits for is all that a limited latency allows.
