@@ -121,9 +121,11 @@ bool ReplayCamera::is_wanted(std::optional<SensorDuration> media_time) {
 }
 
 /// A decoder passes over pictures that are too damaged, so the times of all that are in the file
-/// tell the place; where it has no times the pictures are counted.
+/// tell the place. The pictures are counted where it has no times, or more of them than the frame
+/// list has pictures: some codecs have pictures that are never shown.
 std::int64_t ReplayCamera::place_of(std::optional<SensorDuration> media_time) const {
-  if (!media_time || coded_times_.empty()) {
+  const bool some_are_hidden = !stamps_.empty() && coded_count_ > stamps_.back().index + 1;
+  if (!media_time || coded_times_.empty() || some_are_hidden) {
     return place_ + 1;
   }
   return nearest(coded_times_, *media_time);

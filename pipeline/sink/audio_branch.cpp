@@ -170,8 +170,15 @@ bool AudioBranch::takes_error(GstMessage* message) {
     return false;
   }
   has_failed_ = true;
-  gst_pad_send_event(muxer_pad_.get(), gst_event_new_eos());  // or the muxer waits for more
+  // Or the muxer waits for more. On a thread of its own, since the pad may be waiting for pictures
+  // from the very thread that tells of the error.
+  gst_element_call_async(parser_.get(), end_stream, gst_object_ref(muxer_pad_.get()),
+                         gst_object_unref);
   return true;
+}
+
+void AudioBranch::end_stream(GstElement* /*parser*/, gpointer pad) {
+  gst_pad_send_event(GST_PAD(pad), gst_event_new_eos());
 }
 
 void AudioBranch::link_audio(GstElement* /*parser*/, GstPad* pad, gpointer branch) {

@@ -42,6 +42,7 @@ class AudioBranch {
   [[nodiscard]] bool has_failed() const { return has_failed_; }
 
  private:
+  static void end_stream(GstElement* parser, gpointer pad);
   static void link_audio(GstElement* parser, GstPad* pad, gpointer branch);
   static GstPadProbeReturn on_item(GstPad* pad, GstPadProbeInfo* info, gpointer branch);
   GstPadProbeReturn on_segment(GstPadProbeInfo* info);
