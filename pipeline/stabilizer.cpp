@@ -107,6 +107,11 @@ WarpMesh Stabilizer::mesh_for(const VirtualCamera& camera) const {
                          options_.mesh);
 }
 
+void Stabilizer::forget(const FrameStamp& stamp) {
+  history_.forget_before(
+      std::min(timing_.time_of_line(stamp, 0), timing_.time_of_line(stamp, timing_.line_count())));
+}
+
 FramePose Stabilizer::real_pose(const FrameStamp& stamp) const {
   return {stamp, q_world_camera(timing_.time_of_line(stamp, reference_line_))};
 }

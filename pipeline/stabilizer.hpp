@@ -58,6 +58,9 @@ class Stabilizer {
   /// The way from a frame to the picture that `camera` shows of it.
   [[nodiscard]] WarpMesh mesh_for(const VirtualCamera& camera) const;
 
+  /// For a camera that runs on: no mesh of this frame or an earlier one is wanted any more.
+  void forget(const FrameStamp& stamp);
+
   /// The real camera at the reference line of the frame.
   [[nodiscard]] FramePose real_pose(const FrameStamp& stamp) const;
 

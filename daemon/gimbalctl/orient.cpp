@@ -9,6 +9,7 @@
 #include "daemon/gimbalctl/commands.hpp"
 #include "daemon/gimbalctl/estimation.hpp"
 #include "daemon/gimbalctl/warnings.hpp"
+#include "daemon/stabilization.hpp"
 #include "drivers/replay/decimal_time.hpp"
 #include "drivers/replay/session.hpp"
 

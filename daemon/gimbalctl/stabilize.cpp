@@ -23,15 +23,6 @@ struct Arguments {
   std::string estimator = "ekf";
 };
 
-const std::map<std::string, Border> kBorders = {{"crop", Border::crop},
-                                                {"extend", Border::extend},
-                                                {"mirror", Border::mirror},
-                                                {"black", Border::black}};
-const std::map<std::string, PathKind> kPaths = {{"hann", PathKind::hann},
-                                                {"adaptive-hann", PathKind::adaptive_hann}};
-const std::map<std::string, WarperKind> kWarpers = {{"gles", WarperKind::gles},
-                                                    {"cpu", WarperKind::cpu}};
-
 template <typename Number>
 std::optional<Number> parse_whole(const std::string& text) {
   Number value{};
@@ -65,9 +56,9 @@ Result<void> run(Arguments& arguments) {
   if (!zoom) return tl::unexpected(zoom.error());
   request.latency = *latency;
   request.zoom = *zoom;
-  if (!arguments.warper.empty()) request.warper = kWarpers.at(arguments.warper);
-  request.border = kBorders.at(arguments.border);
-  request.path = kPaths.at(arguments.path);
+  if (!arguments.warper.empty()) request.warper = warper_names().at(arguments.warper);
+  request.border = border_names().at(arguments.border);
+  request.path = path_names().at(arguments.path);
   request.estimator = estimator_names().at(arguments.estimator);
   return stabilize_session(request);
 }
@@ -90,21 +81,21 @@ void add_options(CLI::App& command, Arguments& arguments) {
   command.add_option("--zoom", arguments.zoom, "Fixed ratio, such as 1.15, or auto")
       ->capture_default_str();
   command.add_option("--border", arguments.border, "What to show past the edge of the frame")
-      ->transform(CLI::IsMember(names_of(kBorders)))
+      ->transform(CLI::IsMember(names_of(border_names())))
       ->option_text("crop|extend|mirror|black [crop]");
   command.add_option("--warper", arguments.warper, "What draws [gles if there is a GPU, else cpu]")
-      ->check(CLI::IsMember(names_of(kWarpers)))
+      ->check(CLI::IsMember(names_of(warper_names())))
       ->option_text("gles|cpu");
   command.add_option("--estimator", arguments.estimator, "How orientation is estimated")
       ->transform(CLI::IsMember(names_of(estimator_names())))
       ->option_text("ekf|thesis [ekf]");
   command.add_option("--path", arguments.path, "How the camera's path is smoothed")
-      ->transform(CLI::IsMember(names_of(kPaths)))
+      ->transform(CLI::IsMember(names_of(path_names())))
       ->option_text("hann|adaptive-hann [adaptive-hann]");
   command.add_flag_callback(
       "--rectify-only", [&request] { request.correction = Correction::rectify_only; },
       "Take out the rolling shutter, leave the motion");
-  command.add_option("--reference-row", request.reference_row,
+  command.add_option("--reference-row", request.reference_line,
                      "Row (column, for sensors that read columns) whose instant the picture shows "
                      "[the middle one]");
   command.add_option("--path-log", request.path_log,

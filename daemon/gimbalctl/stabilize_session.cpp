@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "daemon/gimbalctl/estimation.hpp"
 #include "daemon/gimbalctl/path_log.hpp"
 #include "daemon/gimbalctl/stabilize_report.hpp"
 #include "daemon/gimbalctl/warnings.hpp"
@@ -23,8 +24,6 @@
 namespace gimbal {
 namespace {
 
-/// What `--zoom auto` may use at most: the thesis' own comparison went up to 25 %.
-constexpr double kAutoZoomMost = 1.25;
 constexpr double kShakeCutoffHz = 1.0;
 
 std::string to_string(Border border) {
@@ -41,12 +40,6 @@ std::string to_string(Border border) {
   return {};
 }
 
-ZoomChoice zoom_choice(const StabilizeRequest& request) {
-  if (request.zoom) return {*request.zoom, *request.zoom};
-  // Other borders fill what crop has to zoom past.
-  return request.border == Border::crop ? ZoomChoice{1, kAutoZoomMost} : ZoomChoice{1, 1};
-}
-
 /// Frames a second by the stamps themselves: the median step counts, so that gaps do not.
 double rate_of(const std::vector<FrameStamp>& frames) {
   const double step_s = to_seconds(median_step(frames));
@@ -56,14 +49,6 @@ double rate_of(const std::vector<FrameStamp>& frames) {
 /// What the path waits for is all that a limited latency allows.
 Lookahead lookahead(const StabilizeRequest& request) {
   return request.latency ? Lookahead::nothing() : Lookahead::everything();
-}
-
-std::unique_ptr<CameraPath> make_path(const StabilizeRequest& request, double fps) {
-  if (request.correction == Correction::rectify_only) return make_hann_path(1, request.latency);
-  if (request.path == PathKind::hann) {
-    return make_hann_path(window_for_amount(request.amount, fps), request.latency);
-  }
-  return make_adaptive_hann_path(adaptive_hann_for_amount(request.amount, fps), request.latency);
 }
 
 /// One run: from the open session to the finished output.
@@ -78,7 +63,6 @@ class Job {
   [[nodiscard]] Result<void> plan();
   [[nodiscard]] Result<void> open_streams();
   [[nodiscard]] Result<void> make_warper(ImageSize size);
-  void take_best_warper(ImageSize size);
   [[nodiscard]] AudioTrack audio() const;
   [[nodiscard]] Result<void> write_all();
   [[nodiscard]] Result<std::optional<VideoFrame>> next_frame();
@@ -139,19 +123,14 @@ Result<void> Job::plan() {
     return {};
   }
   const int lines = line_count(session_.camera->size, session_.camera->readout_direction);
-  if (request_.reference_row &&
-      !(*request_.reference_row >= 0 && *request_.reference_row < lines)) {
+  if (request_.reference_line &&
+      !(*request_.reference_line >= 0 && *request_.reference_line < lines)) {
     return bad_input(fmt::format("--reference-row {}: must lie between 0 and {}",
-                                 *request_.reference_row, lines - 1));
+                                 *request_.reference_line, lines - 1));
   }
-  StabilizerOptions options;
-  options.border = request_.border;
-  options.zoom = zoom_choice(request_);
-  options.latency = request_.latency;
-  options.reference_line = request_.reference_row;
   auto stabilizer = Stabilizer::create(*session_.camera, session_.imu,
                                        make_attitudes(request_.estimator, lookahead(request_)),
-                                       make_path(request_, fps_), options);
+                                       make_path(request_, fps_), stabilizer_options(request_));
   if (!stabilizer) return tl::unexpected(stabilizer.error());
   stabilizer_.emplace(std::move(*stabilizer));
 
@@ -222,33 +201,12 @@ Result<void> Job::open_streams() {
 }
 
 Result<void> Job::make_warper(ImageSize size) {
-  if (!request_.warper) {
-    take_best_warper(size);
-    return {};
-  }
-  report_.warper_reason = "asked for";
-  if (request_.warper == WarperKind::cpu) {
-    warper_ = make_cpu_warper();
-    return {};
-  }
-  auto gles = make_gles_warper(size, size);
-  if (!gles) return tl::unexpected(gles.error());
-  warper_ = std::move(*gles);
+  auto chosen = choose_warper(request_.warper, size);
+  if (!chosen) return tl::unexpected(chosen.error());
+  warper_ = std::move(chosen->warper);
+  report_.warper_reason = std::move(chosen->reason);
+  if (!chosen->warning.empty()) warn(std::move(chosen->warning));
   return {};
-}
-
-/// A GPU if there is one. GLES without one is slower than drawing on the CPU straight away.
-void Job::take_best_warper(ImageSize size) {
-  auto gles = make_gles_warper(size, size);
-  if (gles && !is_software_renderer((*gles)->renderer())) {
-    report_.warper_reason = "there is a GPU";
-    warper_ = std::move(*gles);
-    return;
-  }
-  if (!gles) warn(gles.error().message + "; drawing on the CPU");
-  report_.warper_reason =
-      gles ? "no GPU: GLES would draw with " + (*gles)->renderer() : gles.error().message;
-  warper_ = make_cpu_warper();
 }
 
 /// The recording's audio, moved so that what was heard with the first written picture comes first.

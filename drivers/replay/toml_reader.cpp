@@ -126,6 +126,11 @@ bool TomlTable::has(std::string_view key) const {
   return state_->table->contains(key);
 }
 
+bool TomlTable::is_text(std::string_view key) const {
+  const toml::node* const node = state_->table->get(key);
+  return node != nullptr && node->is_string();
+}
+
 std::optional<std::string> TomlTable::text(std::string_view key) {
   const toml::node* const node = state_->find(key);
   if (node == nullptr) return std::nullopt;
@@ -144,6 +149,29 @@ std::optional<std::string> TomlTable::date(std::string_view key) {
   }
   state_->expect(*node, key, "a date (RFC 3339)");
   return std::nullopt;
+}
+
+std::optional<bool> TomlTable::boolean(std::string_view key) {
+  const toml::node* const node = state_->find(key);
+  if (node == nullptr) return std::nullopt;
+  const std::optional<bool> value = node->value_exact<bool>();
+  if (!value) state_->expect(*node, key, "true or false");
+  return value;
+}
+
+std::optional<std::vector<std::string>> TomlTable::texts(std::string_view key) {
+  const toml::node* const node = state_->find(key);
+  if (node == nullptr) return std::nullopt;
+  const toml::array* const array = node->as_array();
+  std::vector<std::string> values;
+  for (std::size_t i = 0; array != nullptr && i < array->size(); ++i) {
+    if (const auto value = (*array)[i].value_exact<std::string>()) values.push_back(*value);
+  }
+  if (array == nullptr || values.size() != array->size()) {
+    state_->expect(*node, key, "a list of texts in quotes");
+    return std::nullopt;
+  }
+  return values;
 }
 
 std::optional<double> TomlTable::number(std::string_view key) {
@@ -234,11 +262,10 @@ std::vector<std::string> TomlTable::unknown_keys() const {
         std::min_element(known.begin(), known.end(),
                          [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
     const bool is_near = nearest != known.end() && distance(*nearest) <= kNear;
-    warnings.push_back(
-        fmt::format("{}, line {}: {}{} is not known and passed over{}",
-                    std::filesystem::path(state_->file).filename().string(),
-                    key.source().begin.line, state_->prefix, in_quotes(name),
-                    is_near ? fmt::format("; is {}{} meant?", state_->prefix, *nearest) : ""));
+    warnings.push_back(fmt::format(
+        "{}, line {}: {}{} is not known{}", std::filesystem::path(state_->file).filename().string(),
+        key.source().begin.line, state_->prefix, in_quotes(name),
+        is_near ? fmt::format("; is {}{} meant?", state_->prefix, *nearest) : ""));
   }
   return warnings;
 }

@@ -33,10 +33,13 @@ class TomlTable {
   ~TomlTable();
 
   [[nodiscard]] bool has(std::string_view key) const;
+  [[nodiscard]] bool is_text(std::string_view key) const;
   [[nodiscard]] std::optional<std::string> text(std::string_view key);
   /// A string, or one of TOML's own dates, as text.
   [[nodiscard]] std::optional<std::string> date(std::string_view key);
   [[nodiscard]] std::optional<double> number(std::string_view key);
+  [[nodiscard]] std::optional<bool> boolean(std::string_view key);
+  [[nodiscard]] std::optional<std::vector<std::string>> texts(std::string_view key);
   [[nodiscard]] std::optional<int> integer(std::string_view key, int least, int most);
   [[nodiscard]] std::optional<std::vector<double>> numbers(std::string_view key);
   /// Three rows of three numbers.
@@ -62,7 +65,7 @@ class TomlTable {
 
   [[nodiscard]] const std::optional<Error>& error() const;
 
-  /// A warning for each key that was never asked for, with the nearest one that was.
+  /// A line for each key that was never asked for, with the nearest one that was.
   [[nodiscard]] std::vector<std::string> unknown_keys() const;
 
  private:

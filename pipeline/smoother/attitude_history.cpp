@@ -13,6 +13,11 @@ bool AttitudeHistory::append(const Attitude& attitude) {
   return true;
 }
 
+void AttitudeHistory::forget_before(SensorTime time) {
+  // The last one before the instant is still a neighbour of it.
+  while (attitudes_.size() > 1 && attitudes_[1].time <= time) attitudes_.pop_front();
+}
+
 AttitudeAnswer AttitudeHistory::at(SensorTime time) const {
   const auto after = std::ranges::lower_bound(attitudes_, time, {}, &Attitude::time);
   if (after == attitudes_.end()) {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <vector>
+#include <deque>
 
 #include "pipeline/sample/attitude.hpp"
 #include "pipeline/sample/sensor_time.hpp"
@@ -26,12 +26,15 @@ class AttitudeHistory {
   /// orientation outside. Precondition: not empty.
   [[nodiscard]] AttitudeAnswer at(SensorTime time) const;
 
+  /// Answers from `time` on stay as they are.
+  void forget_before(SensorTime time);
+
   [[nodiscard]] bool empty() const { return attitudes_.empty(); }
-  [[nodiscard]] const std::vector<Attitude>& attitudes() const { return attitudes_; }
+  [[nodiscard]] const std::deque<Attitude>& attitudes() const { return attitudes_; }
 
  private:
   SensorDuration max_gap_;
-  std::vector<Attitude> attitudes_;
+  std::deque<Attitude> attitudes_;
 };
 
 }  // namespace gimbal

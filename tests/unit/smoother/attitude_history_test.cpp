@@ -38,6 +38,19 @@ TEST(AttitudeHistory, FollowsASteadyTurnBetweenEstimates) {
   }
 }
 
+TEST(AttitudeHistory, ForgetsNothingThatALaterAnswerNeeds) {
+  const AttitudeHistory whole = steady_turn();
+  AttitudeHistory shorter = steady_turn();
+  shorter.forget_before(time_from_seconds(0.155));
+  EXPECT_EQ(shorter.attitudes().size(), 6U);  // 150 to 200 ms
+  for (const double seconds : {0.155, 0.16, 0.19}) {
+    const SensorTime time = time_from_seconds(seconds);
+    EXPECT_EQ(shorter.at(time).q_world_imu.coeffs(), whole.at(time).q_world_imu.coeffs());
+  }
+  shorter.forget_before(time_from_seconds(9));
+  EXPECT_EQ(shorter.attitudes().size(), 1U);  // the last one answers for what follows
+}
+
 TEST(AttitudeHistory, TakesTheShortWayBetweenOppositeSigns) {
   AttitudeHistory history(milliseconds(50));
   Eigen::Quaterniond opposite = turn_z(0.2);

@@ -1,0 +1,134 @@
+#include <fmt/core.h>
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+#include "daemon/configuration.hpp"
+#include "daemon/journal.hpp"
+#include "daemon/live_pipeline.hpp"
+#include "daemon/service_notify.hpp"
+#include "drivers/replay/paced_replay.hpp"
+#include "drivers/replay/session.hpp"
+
+namespace {
+
+using namespace gimbal;
+
+constexpr int kExitFailed = 1;
+constexpr int kExitBadInput = 2;
+constexpr std::chrono::milliseconds kLook{100};
+
+int report(const Error& error) {
+  log_line(LogLevel::error, error.message);
+  return error.kind == Error::Kind::bad_input ? kExitBadInput : kExitFailed;
+}
+
+/// Blocked before the first thread starts, so that none but `wait_for_end` ever sees them.
+sigset_t block_signals() {
+  std::signal(SIGPIPE, SIG_IGN);  // a reader that goes away is an error to tell of
+  sigset_t signals;
+  sigemptyset(&signals);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, signal);
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  return signals;
+}
+
+Result<LiveSources> open_sources(const Configuration& configuration) {
+  const auto session = open_session(configuration.replay.session);
+  if (!session) return tl::unexpected(session.error());
+  for (const std::string& warning : session->warnings) log_line(LogLevel::warning, warning);
+  const std::string folder = configuration.replay.session.string();
+  if (session->video.empty()) return bad_input(folder + ": no video in this session");
+  if (!session->camera) {
+    return bad_input(folder + ": the lens is not known: give K under [camera] in session.toml");
+  }
+  if (session->gyro.empty()) return bad_input(folder + ": no gyro samples in this session");
+  const auto timeline = std::make_shared<ReplayTimeline>(*session);
+  LiveSources sources;
+  sources.camera = std::make_unique<PacedCamera>(*session, timeline, configuration.replay.repeat);
+  sources.imu = std::make_unique<PacedImu>(*session, timeline, configuration.replay.repeat);
+  sources.camera_calibration = *session->camera;
+  sources.imu_calibration = session->imu;
+  sources.accelerometer = session->accel.empty() ? Accelerometer::absent : Accelerometer::present;
+  return sources;
+}
+
+/// Until a signal or the pipeline's own end. The watchdog is fed only while frames come out.
+void wait_for_end(const LivePipeline& pipeline, const sigset_t& signals) {
+  const timespec look{0, std::chrono::nanoseconds(kLook).count()};
+  std::uint64_t frames_seen = 0;
+  while (!pipeline.has_ended()) {
+    const int signal = sigtimedwait(&signals, nullptr, &look);
+    if (signal == SIGINT || signal == SIGTERM) return;
+    if (signal == SIGHUP) log_line(LogLevel::warning, "reloading is not possible yet: restart");
+    const LiveCounts counts = pipeline.counts();
+    if (counts.frames_out == frames_seen) continue;
+    frames_seen = counts.frames_out;
+    notify_service(fmt::format("WATCHDOG=1\nSTATUS={} frames in, {} out", counts.frames_in,
+                               counts.frames_out));
+  }
+}
+
+double in_ms(SensorDuration duration) {
+  return to_seconds(duration) * 1e3;
+}
+
+void log_summary(const LivePipeline& pipeline) {
+  const LiveCounts counts = pipeline.counts();
+  const FrameAge age = pipeline.age();
+  log_line(LogLevel::info,
+           fmt::format("{} frames in, {} out, {} dropped for want of orientation, {} before "
+                       "drawing; {} samples; age when drawn: median {:.1f} ms, 99 % {:.1f} ms ({})",
+                       counts.frames_in, counts.frames_out, counts.dropped_without_orientation,
+                       counts.dropped_before_drawing, counts.samples, in_ms(age.median),
+                       in_ms(age.p99), pipeline.renderer()));
+  for (const auto& output : pipeline.outputs()) {
+    log_line(LogLevel::info, fmt::format("output {}: {} frames written, {} dropped", output->name(),
+                                         output->written(), output->dropped()));
+  }
+}
+
+int run(const Configuration& configuration) {
+  const sigset_t signals = block_signals();
+  auto sources = open_sources(configuration);
+  if (!sources) return report(sources.error());
+  auto pipeline =
+      LivePipeline::start(std::move(*sources), configuration.stabilization, configuration.outputs);
+  if (!pipeline) return report(pipeline.error());
+  notify_service("READY=1");
+  wait_for_end(**pipeline, signals);
+  notify_service("STOPPING=1");
+  (*pipeline)->stop();
+  log_summary(**pipeline);
+  if (const auto failure = (*pipeline)->failure()) return report(*failure);
+  const auto& outputs = (*pipeline)->outputs();
+  return std::ranges::any_of(outputs, [](const auto& output) { return output->is_gone(); })
+             ? kExitFailed
+             : 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app{"Steady video from a camera with an IMU, live", "gimbald"};
+  app.set_version_flag("--version", GIMBALD_VERSION);
+  std::vector<std::filesystem::path> files;
+  bool check_only = false;
+  app.add_option("--config", files, "Configuration; a later one overrides keys of an earlier one");
+  app.add_flag("--check-config", check_only, "Say whether the configuration is sound, and end");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
+    log_line(LogLevel::error, fmt::format("{} (see gimbald --help)", error.what()));
+    return kExitBadInput;
+  }
+  const auto configuration = load_configuration(files);
+  if (!configuration) return report(configuration.error());
+  return check_only ? 0 : run(*configuration);
+}

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "pipeline/queue/bounded_queue.hpp"
+#include "pipeline/sample/video_frame.hpp"
+#include "pipeline/sink/frame_sink.hpp"
+
+namespace gimbal {
+
+/// One consumer of the steady pictures, on a thread of its own: while it is slow, or being opened
+/// again after a failure, the newest pictures win and the others are counted, and nobody else
+/// waits.
+class Output {
+ public:
+  /// `to`: as open_sink takes it.
+  Output(std::string to, double fps);
+  Output(const Output&) = delete;
+  Output& operator=(const Output&) = delete;
+  ~Output();
+
+  void offer(const VideoFrame& frame) { frames_.push(frame); }
+
+  /// Writes what is held and ends the stream properly.
+  void finish();
+
+  [[nodiscard]] const std::string& name() const { return to_; }
+  [[nodiscard]] std::uint64_t written() const { return written_; }
+  [[nodiscard]] std::uint64_t dropped() const { return frames_.dropped() + lost_; }
+
+  /// Whether it failed and cannot be opened again: a file, or standard output that nobody reads.
+  [[nodiscard]] bool is_gone() const { return is_gone_; }
+
+ private:
+  void run();
+  [[nodiscard]] bool write(const VideoFrame& frame);
+  [[nodiscard]] Result<void> open_for(const VideoFrame& frame);
+  void fail(const Error& error);
+  void close();
+
+  std::string to_;
+  double fps_;
+  BoundedQueue<VideoFrame, WhenFull::drop_oldest> frames_;
+  std::unique_ptr<FrameSink> sink_;
+  std::chrono::steady_clock::time_point next_try_;
+  std::chrono::seconds backoff_;
+  std::atomic<std::uint64_t> written_ = 0;
+  std::atomic<std::uint64_t> lost_ = 0;  ///< while there was no sink
+  std::atomic<bool> is_gone_ = false;
+  std::thread thread_;
+};
+
+}  // namespace gimbal

@@ -1,0 +1,93 @@
+#include "daemon/stabilization.hpp"
+
+#include <utility>
+
+#include "pipeline/estimator/thesis_ekf.hpp"
+
+namespace gimbal {
+namespace {
+
+/// What an automatic zoom may use at most: the thesis' own comparison went up to 25 %.
+constexpr double kAutoZoomMost = 1.25;
+
+ZoomChoice zoom_choice(const StabilizationSettings& settings) {
+  if (settings.zoom) return {*settings.zoom, *settings.zoom};
+  // Other borders fill what crop has to zoom past.
+  return settings.border == Border::crop ? ZoomChoice{1, kAutoZoomMost} : ZoomChoice{1, 1};
+}
+
+}  // namespace
+
+const std::map<std::string, EstimatorKind>& estimator_names() {
+  static const std::map<std::string, EstimatorKind> names = {{"ekf", EstimatorKind::ekf},
+                                                             {"thesis", EstimatorKind::thesis}};
+  return names;
+}
+
+const std::map<std::string, PathKind>& path_names() {
+  static const std::map<std::string, PathKind> names = {{"hann", PathKind::hann},
+                                                        {"adaptive-hann", PathKind::adaptive_hann}};
+  return names;
+}
+
+const std::map<std::string, WarperKind>& warper_names() {
+  static const std::map<std::string, WarperKind> names = {{"gles", WarperKind::gles},
+                                                          {"cpu", WarperKind::cpu}};
+  return names;
+}
+
+const std::map<std::string, Border>& border_names() {
+  static const std::map<std::string, Border> names = {{"crop", Border::crop},
+                                                      {"extend", Border::extend},
+                                                      {"mirror", Border::mirror},
+                                                      {"black", Border::black}};
+  return names;
+}
+
+std::unique_ptr<AttitudeStream> make_attitudes(EstimatorKind kind, const Lookahead& lookahead) {
+  if (kind == EstimatorKind::thesis) return make_causal_stream(std::make_unique<ThesisEkf>());
+  if (lookahead.lag && *lookahead.lag <= SensorDuration::zero()) {
+    return make_causal_stream(AttitudeEkfParameters{});
+  }
+  FixedLagSmootherParameters parameters;
+  parameters.lag = lookahead.lag;
+  return make_smoothed_stream(parameters);
+}
+
+std::unique_ptr<CameraPath> make_path(const StabilizationSettings& settings, double fps) {
+  if (settings.correction == Correction::rectify_only) return make_hann_path(1, settings.latency);
+  if (settings.path == PathKind::hann) {
+    return make_hann_path(window_for_amount(settings.amount, fps), settings.latency);
+  }
+  return make_adaptive_hann_path(adaptive_hann_for_amount(settings.amount, fps), settings.latency);
+}
+
+StabilizerOptions stabilizer_options(const StabilizationSettings& settings) {
+  StabilizerOptions options;
+  options.border = settings.border;
+  options.zoom = zoom_choice(settings);
+  options.latency = settings.latency;
+  options.reference_line = settings.reference_line;
+  return options;
+}
+
+Result<ChosenWarper> choose_warper(std::optional<WarperKind> kind, ImageSize size) {
+  if (kind == WarperKind::cpu) return ChosenWarper{make_cpu_warper(), "asked for", ""};
+  auto gles = make_gles_warper(size, size);
+  if (kind == WarperKind::gles) {
+    if (!gles) return tl::unexpected(gles.error());
+    return ChosenWarper{std::move(*gles), "asked for", ""};
+  }
+  if (!gles) {
+    return ChosenWarper{make_cpu_warper(), gles.error().message,
+                        gles.error().message + "; drawing on the CPU"};
+  }
+  // GLES without a GPU is slower than drawing on the CPU straight away.
+  if (is_software_renderer((*gles)->renderer())) {
+    return ChosenWarper{make_cpu_warper(), "no GPU: GLES would draw with " + (*gles)->renderer(),
+                        ""};
+  }
+  return ChosenWarper{std::move(*gles), "there is a GPU", ""};
+}
+
+}  // namespace gimbal

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "pipeline/path/camera_path.hpp"
+#include "pipeline/path/view_limiter.hpp"
+#include "pipeline/sample/result.hpp"
+#include "pipeline/smoother/attitude_stream.hpp"
+#include "pipeline/stabilizer.hpp"
+#include "pipeline/warp/warp_mesh.hpp"
+#include "pipeline/warp/warper.hpp"
+
+namespace gimbal {
+
+enum class EstimatorKind : std::uint8_t { ekf, thesis };
+enum class PathKind : std::uint8_t { hann, adaptive_hann };
+enum class WarperKind : std::uint8_t { gles, cpu };
+enum class Correction : std::uint8_t { rectify_and_stabilize, rectify_only };
+
+// The words for these on command lines and in configuration files.
+[[nodiscard]] const std::map<std::string, EstimatorKind>& estimator_names();
+[[nodiscard]] const std::map<std::string, PathKind>& path_names();
+[[nodiscard]] const std::map<std::string, WarperKind>& warper_names();
+[[nodiscard]] const std::map<std::string, Border>& border_names();
+
+/// How much of the future an orientation may use.
+struct Lookahead {
+  static Lookahead nothing() { return {std::chrono::seconds(0)}; }
+  static Lookahead everything() { return {std::nullopt}; }
+
+  std::optional<SensorDuration> lag;  ///< none: the whole recording
+};
+
+/// The thesis' filter never looks ahead, whatever it is allowed.
+[[nodiscard]] std::unique_ptr<AttitudeStream> make_attitudes(EstimatorKind kind,
+                                                             const Lookahead& lookahead);
+
+/// What a person chooses about the picture, for a recording and for a live camera alike.
+struct StabilizationSettings {
+  double amount = 1;           ///< 0 (rectified only) to 1
+  PathLatency latency;         ///< frames; none for the whole recording
+  std::optional<double> zoom;  ///< none: as little as is needed
+  Border border = Border::crop;
+  std::optional<WarperKind> warper;  ///< none: GLES on a GPU, else the CPU
+  EstimatorKind estimator = EstimatorKind::ekf;
+  PathKind path = PathKind::adaptive_hann;
+  Correction correction = Correction::rectify_and_stabilize;
+  std::optional<double> reference_line;  ///< none: the middle
+};
+
+[[nodiscard]] std::unique_ptr<CameraPath> make_path(const StabilizationSettings& settings,
+                                                    double fps);
+
+[[nodiscard]] StabilizerOptions stabilizer_options(const StabilizationSettings& settings);
+
+struct ChosenWarper {
+  std::unique_ptr<Warper> warper;
+  std::string reason;   ///< why this one, for reports
+  std::string warning;  ///< what is not as hoped for; may be empty
+};
+
+/// To be called on the thread that will draw. Fails where what was asked for cannot be had.
+[[nodiscard]] Result<ChosenWarper> choose_warper(std::optional<WarperKind> kind, ImageSize size);
+
+}  // namespace gimbal

@@ -1,0 +1,111 @@
+// The daemon as a person starts it: a recording that is played at its own pace, steady pictures
+// out.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "drivers/replay/video_probe.hpp"
+#include "tests/support/run_program.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace gimbal {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+constexpr int kLimit_s = 100;
+
+class Gimbald : public ::testing::Test {
+ protected:
+  [[nodiscard]] std::string path(const std::string& name) const {
+    return (folder_.path() / name).string();
+  }
+
+  [[nodiscard]] test::ProgramRun run(const std::string& configuration,
+                                     std::vector<std::string> more = {}) const {
+    folder_.write("gimbald.toml", configuration);
+    std::vector<std::string> command = {GIMBALD, "--config", path("gimbald.toml")};
+    command.insert(command.end(), more.begin(), more.end());
+    return test::run_program(command, kLimit_s);
+  }
+
+  test::TemporaryFolder folder_;
+};
+
+TEST_F(Gimbald, PlaysARecordingToItsEndAndFinishesTheFile) {
+  const auto simulated =
+      test::run_program({GIMBALCTL, "simulate", "-o", path("session"), "--size", "320x240",
+                         "--duration", "2", "--motion", "walk", "--quiet"},
+                        kLimit_s);
+  ASSERT_EQ(simulated.exit_status, 0) << simulated.standard_error;
+  const auto played =
+      run("outputs = [\"" + path("out.mkv") + "\"]\n[replay]\nsession = \"" + path("session") +
+          "\"\nrepeat = false\n[stabilization]\nwarper = \"cpu\"\n");
+  ASSERT_EQ(played.exit_status, 0) << played.standard_error;
+  EXPECT_THAT(played.standard_error, HasSubstr("60 frames in"));
+  // On a busy machine a frame may be dropped, but then it is counted.
+  const auto video = probe_video(path("out.mkv"));
+  ASSERT_TRUE(video) << video.error().message;
+  EXPECT_GT(video->frame_count, 30);
+  EXPECT_THAT(played.standard_error,
+              HasSubstr(std::to_string(video->frame_count) + " frames written"));
+}
+
+TEST_F(Gimbald, SaysWhatIsWrongWithAConfiguration) {
+  struct Case {
+    std::string text, said;
+  };
+  const std::string replay = "outputs = [\"-\"]\n[replay]\nsession = \"here\"\n";
+  for (const Case& c : std::vector<Case>{
+           {"outputs = [\"-\"]\n", "no camera is configured"},
+           {"[replay]\nsession = \"here\"\n", "no output is configured"},
+           {"outputs = \"-\"\n", "line 1: outputs is \"-\"; a list of texts in quotes is expected"},
+           {"output = [\"-\"]\n", "line 1: \"output\" is not known; is outputs meant?"},
+           {replay + "repaet = true\n",
+            "line 4: replay.\"repaet\" is not known; is replay.repeat meant?"},
+           {replay + "repeat = 1\n", "line 4: replay.repeat is \"1\"; true or false is expected"},
+           {replay + "[stabilization]\namount = 2\n", "stabilization.amount must be from 0 to 1"},
+           {replay + "[stabilization]\nzoom = \"big\"\n", "zoom must be \"auto\" or a ratio"},
+           {replay + "[stabilization]\nzoom = 0.5\n", "zoom must be from 1 to 10"},
+           {replay + "[stabilization]\nborder = \"fancy\"\n", "stabilization.border"},
+           {replay + "[stabilization]\nlatency_frames = -1\n", "stabilization.latency_frames"},
+           {replay + "[camera]\ndriver = \"v4l3\"\n", "camera.driver"},
+           {"outputs = [", "line 1"}}) {
+    const auto checked = run(c.text, {"--check-config"});
+    EXPECT_EQ(checked.exit_status, 2) << c.text;
+    EXPECT_THAT(checked.standard_error, HasSubstr(c.said));
+    EXPECT_EQ(test::lines_starting_with(checked.standard_error, "").size(), 1U);
+  }
+}
+
+TEST_F(Gimbald, ALaterFileOverridesSingleKeys) {
+  folder_.write("more.toml", "[stabilization]\namount = 0.5\n");
+  const auto checked = run("outputs = [\"-\"]\n[replay]\nsession = \"here\"\n",
+                           {"--config", path("more.toml"), "--check-config"});
+  EXPECT_EQ(checked.exit_status, 0) << checked.standard_error;
+  EXPECT_EQ(checked.standard_error, "");
+}
+
+TEST_F(Gimbald, TheExamplesAreSound) {
+  for (const auto& example : std::filesystem::directory_iterator(GIMBALD_EXAMPLES)) {
+    const auto checked = test::run_program(
+        {GIMBALD, "--config", example.path().string(), "--check-config"}, kLimit_s);
+    EXPECT_EQ(checked.exit_status, 0) << checked.standard_error;
+  }
+}
+
+TEST_F(Gimbald, ASessionThatIsNotThereIsBadInput) {
+  const auto started = run("outputs = [\"-\"]\n[replay]\nsession = \"" + path("none") + "\"\n");
+  EXPECT_EQ(started.exit_status, 2);
+  EXPECT_THAT(started.standard_error, StartsWith("gimbald: "));
+  EXPECT_THAT(started.standard_error, HasSubstr("no such session"));
+}
+
+}  // namespace
+}  // namespace gimbal
