@@ -27,6 +27,10 @@ struct Arguments {
 constexpr double kLongestLag_s = 86400;
 
 Result<Lookahead> lookahead_of(const Arguments& arguments) {
+  if (arguments.lag_s && estimator_names().at(arguments.estimator) == EstimatorKind::thesis) {
+    return bad_input(
+        "--lag: the thesis' filter never looks ahead; leave it out, or --estimator ekf");
+  }
   if (arguments.causal) return Lookahead::nothing();
   if (!arguments.lag_s) return Lookahead::everything();
   if (!(*arguments.lag_s >= 0 && *arguments.lag_s <= kLongestLag_s)) {
@@ -47,7 +51,7 @@ void write_ready(AttitudeStream& attitudes, std::ostream& stream) {
 Result<void> write_orientations(const Session& session, AttitudeStream& attitudes,
                                 std::ostream& stream, const std::string& name) {
   stream << "t_s,qw,qx,qy,qz\n";
-  const auto replayed = replay_samples(session, [&](const ImuSample& sample) {
+  auto replayed = replay_samples(session, [&](const ImuSample& sample) {
     attitudes.push(sample);
     write_ready(attitudes, stream);
   });

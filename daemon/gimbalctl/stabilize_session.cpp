@@ -134,7 +134,7 @@ Result<void> Job::plan() {
   if (!stabilizer) return tl::unexpected(stabilizer.error());
   stabilizer_.emplace(std::move(*stabilizer));
 
-  const auto replayed = report_.estimate.measure([this] {
+  auto replayed = report_.estimate.measure([this] {
     return replay_samples(session_, [this](const ImuSample& sample) { stabilizer_->push(sample); });
   });
   if (!replayed) return replayed;

@@ -11,7 +11,8 @@ namespace {
 using Index = ErrorIndex;
 
 // Well beyond the ranges of inertial sensors (about 70 rad/s and 2000 m/s²): what lies outside is
-// no measurement, and would overflow in the filter.
+// no measurement, and would overflow in the filter. Rates in deg/s come through, for the
+// plausibility check to name.
 constexpr double kLargestRate_rad_s = 1e3;
 constexpr double kLargestAccel_m_s2 = 1e4;
 
@@ -72,7 +73,7 @@ AttitudeEkf::AttitudeEkf(const AttitudeEkfParameters& parameters) : parameters_(
 
 Attitude AttitudeEkf::update(const ImuSample& sample) {
   if (!is_within(sample.gyro_rad_s, kLargestRate_rad_s) ||
-      (state_.last && sample.time <= state_.last->time)) {
+      (state_.last && sample.time <= state_.last->time) || leaps(sample.time)) {
     ++state_.counts.skipped_gyro;
     return predict(sample.time).attitude;
   }
@@ -88,6 +89,19 @@ Attitude AttitudeEkf::update(const ImuSample& sample) {
   }
   state_.last = {usable.time, usable.gyro_rad_s, usable.accel_m_s2};
   return {usable.time, shown_attitude()};
+}
+
+/// A stamp far ahead of the last one is believed once the next one bears it out: a single wrong one
+/// would make all that follow too late.
+bool AttitudeEkf::leaps(SensorTime time) {
+  const SensorDuration near = parameters_.longest_bridge;
+  if (!state_.last || time - state_.last->time <= near) {
+    state_.leap.reset();
+    return false;
+  }
+  const bool is_borne_out = state_.leap && time > *state_.leap && time - *state_.leap <= near;
+  state_.leap = time;
+  return !is_borne_out;
 }
 
 bool AttitudeEkf::accel_is_usable(const ImuSample& sample) {
@@ -120,10 +134,10 @@ void AttitudeEkf::continue_with(const ImuSample& sample) {
   bridge_or_advance(sample, interval_s);
   learn_intervals(interval_s);
   state_.step.time = sample.time;
-  if (!state_.tilt_is_known && sample.accel_m_s2) {
-    set_tilt(*sample.accel_m_s2);
-  } else if (state_.filter.pending().interval_s + 0.5 * state_.usual_interval_s >=
-             to_seconds(parameters_.step)) {
+  const bool wants_tilt = !state_.tilt_is_known && sample.accel_m_s2.has_value();
+  if (wants_tilt && set_tilt(*sample.accel_m_s2)) return;
+  if (state_.filter.pending().interval_s + 0.5 * state_.usual_interval_s >=
+      to_seconds(parameters_.step)) {
     learn_rate_walk(sample, state_.filter.pending().interval_s);
     close_step();
   }
@@ -200,15 +214,16 @@ void AttitudeEkf::learn_rate_walk(const ImuSample& sample, double interval_s) {
                               (change.squaredNorm() / interval_s - state_.rate_walk_rad2_s3);
 }
 
-void AttitudeEkf::set_tilt(const Eigen::Vector3d& accel_m_s2) {
-  if (accel_m_s2.norm() < kSmallestAccelForTilt_m_s2) return;
+bool AttitudeEkf::set_tilt(const Eigen::Vector3d& accel_m_s2) {
+  if (accel_m_s2.norm() < kSmallestAccelForTilt_m_s2) return false;
   InertialState& mean = state_.filter.mean();
   const Eigen::Quaterniond turn = turn_upright(mean.q_world_imu * accel_m_s2);
   mean.q_world_imu = (turn * mean.q_world_imu).normalized();
   mean.velocity_m_s.setZero();
   ErrorCovariance& P = state_.filter.covariance();
   const double tilt = square(parameters_.start_tilt_sigma_rad);
-  set_variance(P, Index::attitude, {tilt, tilt, 0});
+  const double heading = P(Index::attitude + 2, Index::attitude + 2);
+  set_variance(P, Index::attitude, {tilt, tilt, heading});
   set_variance(P, Index::velocity,
                Eigen::Vector3d::Constant(square(parameters_.start_velocity_sigma_m_s)));
   state_.filter.discard_step();
@@ -219,6 +234,7 @@ void AttitudeEkf::set_tilt(const Eigen::Vector3d& accel_m_s2) {
   state_.step.attitude_correction.setZero();
   state_.step.attitude_rows = P.topRows<3>();
   ++state_.step_count;
+  return true;
 }
 
 void AttitudeEkf::restart_tilt(const ImuSample& sample) {
@@ -230,6 +246,11 @@ void AttitudeEkf::restart_tilt(const ImuSample& sample) {
   const double tilt =
       state_.tilt_is_known ? square(parameters_.start_tilt_sigma_rad) : kUnknownAngle_rad2;
   set_variance(P, Index::attitude, {tilt, tilt, kUnknownAngle_rad2});
+  const double interval_s = to_seconds(sample.time - state_.last->time);
+  P.diagonal().segment<3>(Index::gyro_bias).array() +=
+      square(parameters_.gyro_bias_walk_rad_s_rts) * interval_s;
+  P.diagonal().segment<3>(Index::accel_bias).array() +=
+      square(parameters_.accel_bias_walk_m_s2_rts) * interval_s;
   if (!state_.tilt_is_known) ++state_.step_count;
   state_.filter.discard_step();
   state_.step.transition = {};
@@ -301,7 +322,9 @@ void AttitudeEkf::watch_bias(const ErrorStateFilter::Pending& step) {
       square(parameters_.hold_rate_rad_s) + state_.rate_variance_rad2_s2 * newest / (2 - newest);
   for (int i = 0; i < 3; ++i) {
     const double bias = state_.filter.mean().gyro_bias_rad_s(i);
-    const double doubt = 1 + square(state_.rate_mean_rad_s(i) - bias) / hold_variance;
+    const int k = Index::gyro_bias + i;
+    const double doubt = 1 + square(square(state_.rate_mean_rad_s(i) - bias) /
+                                    (hold_variance + state_.filter.covariance()(k, k)));
     measure(Index::gyro_bias + i, rate(i) - bias, variance * doubt);
   }
 }
@@ -323,14 +346,19 @@ AttitudeEstimate AttitudeEkf::predict(SensorTime time) const {
     return estimate;
   }
   const InertialState& mean = state_.filter.mean();
-  const Eigen::Vector3d rate = state_.last->gyro_rad_s - mean.gyro_bias_rad_s;
+  const Eigen::Vector3d unbiased = state_.last->gyro_rad_s - mean.gyro_bias_rad_s;
+  const Eigen::Vector3d rate = unbiased - mean.gyro_scale.cwiseProduct(unbiased);
   // Beyond the longest bridge the rate is worth nothing, and the orientation is held.
   if (ahead_s <= to_seconds(parameters_.longest_bridge)) {
     estimate.attitude.q_world_imu =
         (estimate.attitude.q_world_imu * rotation_from_vector(ahead_s * rate)).normalized();
   }
-  // A random walk's integral away from its last known value.
-  const double variance = state_.rate_walk_rad2_s3 * ahead_s * ahead_s * ahead_s / 3;
+  // A random walk's integral away from its last known value, and what is not known of the bias.
+  const double bias_variance =
+      state_.filter.covariance().diagonal().segment<3>(Index::gyro_bias).maxCoeff();
+  const double variance = state_.rate_walk_rad2_s3 * ahead_s * ahead_s * ahead_s / 3 +
+                          square(parameters_.gyro_noise_rad_s_rthz) * ahead_s +
+                          bias_variance * ahead_s * ahead_s;
   estimate.covariance_rad2.diagonal().array() += std::min(variance, kUnknownAngle_rad2);
   return estimate;
 }

@@ -78,7 +78,8 @@ struct AttitudeEkfParameters {
 
 /// What an estimator met that was not as it should be.
 struct AttitudeEkfCounts {
-  std::size_t skipped_gyro = 0;  ///< not finite, beyond any sensor's range, or not later
+  std::size_t skipped_gyro = 0;  ///< not finite, beyond any sensor's range, not later, or
+                                 ///< alone far ahead
   std::size_t skipped_accel =
       0;  ///< not finite, beyond any sensor's range, an axis clipped or stuck
   std::size_t gaps = 0;
@@ -101,6 +102,7 @@ struct AttitudeEkfState {
     std::optional<Eigen::Vector3d> accel_m_s2;
   };
   std::optional<LastSample> last;
+  std::optional<SensorTime> leap;  ///< a stamp far ahead that nothing bears out yet
   bool tilt_is_known = false;
   ErrorStateFilter filter;
   double heading_held_back_rad = 0;  ///< of the filter's corrections, see AttitudeEkf
@@ -154,6 +156,7 @@ class AttitudeEkf final : public Estimator {
   void restore(const AttitudeEkfState& state) { state_ = state; }
 
  private:
+  [[nodiscard]] bool leaps(SensorTime time);
   [[nodiscard]] bool accel_is_usable(const ImuSample& sample);
   void start(const ImuSample& sample);
   void continue_with(const ImuSample& sample);
@@ -165,7 +168,8 @@ class AttitudeEkf final : public Estimator {
                              Eigen::Vector3d& gyro_rad_s, IntervalNoise& noise);
   void learn_intervals(double interval_s);
   void learn_rate_walk(const ImuSample& sample, double interval_s);
-  void set_tilt(const Eigen::Vector3d& accel_m_s2);
+  /// False in free fall, where the force has no direction.
+  bool set_tilt(const Eigen::Vector3d& accel_m_s2);
   void restart_tilt(const ImuSample& sample);
   void close_step();
   void bound_velocity(const ErrorStateFilter::Pending& step);

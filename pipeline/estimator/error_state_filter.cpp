@@ -60,7 +60,7 @@ ErrorTransition ErrorStateFilter::transition() const {
 }
 
 ErrorTransition ErrorStateFilter::close_step(const DriftNoise& noise) {
-  const ErrorTransition F = transition();
+  ErrorTransition F = transition();
   F.propagate(P_);
   P_.block<3, 3>(Index::attitude, Index::attitude) += pending_.noise.attitude_rad2;
   const double T = pending_.interval_s;

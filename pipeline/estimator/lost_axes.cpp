@@ -25,7 +25,8 @@ AxisLoss LostAxes::loss_of(std::size_t axis) const {
   const Axis& own = axes_[axis];
   if (own.held_s <= 0) return AxisLoss::none;
   const double magnitude = std::abs(own.value);
-  if (magnitude >= own.largest && magnitude > parameters_.smallest_limit) {
+  if (magnitude >= own.largest && magnitude > parameters_.smallest_limit &&
+      own.held_s > parameters_.clipped_after_s) {
     return AxisLoss::clipped;
   }
   double others = 0;

@@ -10,15 +10,17 @@ namespace gimbal {
 struct LostAxesParameters {
   /// Below this a value that repeats is just coarse: no sensor has a smaller range.
   double smallest_limit = 0;
+  /// A largest value that lasts this long is a limit: single repeats come by chance.
+  double clipped_after_s = 0.008;
   /// An axis that repeats its value for this long, while the others move, is stuck.
   double stuck_after_s = 0.5;
   double others_move = 0;  ///< from one sample to the next, root mean square
 };
 
-inline constexpr LostAxesParameters kLostGyroAxes{2, 0.5, 0.003};
+inline constexpr LostAxesParameters kLostGyroAxes{2, 0.008, 0.5, 0.003};
 /// Accelerometers are coarser, so that at rest an axis may well repeat itself: no harm is done
 /// then.
-inline constexpr LostAxesParameters kLostAccelAxes{15, 1, 0.03};
+inline constexpr LostAxesParameters kLostAccelAxes{15, 0.008, 1, 0.03};
 
 /// Why an axis does not measure.
 enum class AxisLoss : std::uint8_t { none, clipped, stuck };

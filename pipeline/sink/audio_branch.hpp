@@ -51,7 +51,7 @@ class AudioBranch {
   [[nodiscard]] std::optional<GstClockTime> shifted(GstClockTime time) const;
 
   SensorDuration offset_;
-  GstSegment segment_;  ///< of the recording; only the audio's thread uses it
+  GstSegment segment_{};  ///< of the recording; only the audio's thread uses it
   std::atomic<bool> has_failed_ = false;
   GstElementPtr parser_;
   GstElementPtr decoder_;  ///< null if the audio goes unchanged

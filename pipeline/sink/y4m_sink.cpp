@@ -105,7 +105,7 @@ void append_chroma(std::vector<std::uint8_t>& bytes, const VideoFrame& frame, in
   for (int row = 0; row < size.height; ++row) {
     const std::uint8_t* from = data + row * stride + offset;
     for (int column = 0; column < size.width; ++column) {
-      to[column] = from[2 * column];
+      to[column] = from[std::ptrdiff_t{2} * column];
     }
     to += size.width;
   }

@@ -1,5 +1,6 @@
 #include "pipeline/smoother/fixed_lag_smoother.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace gimbal {
@@ -54,11 +55,19 @@ double filter_trace(const FilterStep& step) {
   return step.attitude_rows.middleCols<3>(Index::attitude).trace();
 }
 
+/// Tilt first, then heading, which may have gone round more than once. Tilt corrections are small.
+Eigen::Quaterniond rotation_by(const Eigen::Vector3d& correction) {
+  return rotation_from_vector({0, 0, correction.z()}) *
+         rotation_from_vector({correction.x(), correction.y(), 0});
+}
+
 /// The correction at the end of a step before its updates, whose own correction it includes.
 Eigen::Vector3d correction_before_updates(const Eigen::Vector3d& correction,
                                           const FilterStep& step) {
-  return vector_from_rotation(rotation_from_vector(correction) *
-                              rotation_from_vector(step.attitude_correction));
+  const Eigen::Vector3d tilt(correction.x(), correction.y(), 0);
+  const Eigen::Vector3d both = vector_from_rotation(rotation_from_vector(tilt) *
+                                                    rotation_from_vector(step.attitude_correction));
+  return {both.x(), both.y(), correction.z() + both.z()};
 }
 
 }  // namespace
@@ -88,13 +97,22 @@ void FixedLagSmoother::take_step() {
 void FixedLagSmoother::turn_world(const FilterStep& step) {
   const Eigen::Quaterniond& turn = step.world_turn;
   if (turn.isApprox(Eigen::Quaterniond::Identity(), 0)) return;
-  // What came before the accelerometer is turned along, and its tilt is as uncertain. The newest
-  // sample is in the new world already.
-  for (std::size_t i = 0; i + 1 < samples_.size(); ++i) {
+  // What came before the accelerometer is turned along, and its tilt is as uncertain: back to where
+  // it started anew, if it did. The newest sample is in the new world already.
+  std::size_t first = steps_.size();
+  std::size_t samples = samples_since_step_;
+  for (bool starts_anew = false; first > 0 && !starts_anew;) {
+    const HeldStep& held = steps_[--first];
+    starts_anew = !held.step.transition.is_continuous;
+    samples += starts_anew ? 1 : held.sample_count;  // those before the hole stay
+  }
+  for (std::size_t i = samples_.size() - std::min(samples, samples_.size());
+       i + 1 < samples_.size(); ++i) {
     samples_[i].q_world_imu = turn * samples_[i].q_world_imu;
   }
   const Eigen::Matrix3d R = turn.toRotationMatrix();
-  for (HeldStep& held : steps_) {
+  for (std::size_t step_index = first; step_index < steps_.size(); ++step_index) {
+    HeldStep& held = steps_[step_index];
     AttitudeRows& rows = held.step.attitude_rows;
     rows = (R * rows).eval();
     rows.middleCols<3>(Index::attitude) =
@@ -208,7 +226,7 @@ void FixedLagSmoother::release_step(const HeldStep& before, const HeldStep& step
 
 void FixedLagSmoother::release_sample(const HeldStep& step, const Eigen::Vector3d& correction) {
   const HeldSample& sample = samples_.front();
-  const Eigen::Quaterniond q = rotation_from_vector(correction) * sample.q_world_imu;
+  const Eigen::Quaterniond q = rotation_by(correction) * sample.q_world_imu;
   ready_.push_back({{sample.time, q.normalized()}, step.covariance, AttitudeOrigin::exact});
   samples_.pop_front();
 }

@@ -152,7 +152,8 @@ TEST(AttitudeEkf, LearnsABiasAtRestAboutTheVerticalTooDespiteVibration) {
 }
 
 TEST(AttitudeEkf, APanAfterARestIsNoBias) {
-  for (const double pan_rad_s : {5 * kDegree, 9 * kDegree}) {  // slower could be a bias
+  // Slower ones could be a bias. The tremor alone costs the rest's bias 0.3 deg/s.
+  for (const double pan_rad_s : {3 * kDegree, 5 * kDegree, 9 * kDegree}) {
     AttitudeEkf ekf;
     std::mt19937 random(3);
     std::normal_distribution<double> normal;
@@ -168,7 +169,7 @@ TEST(AttitudeEkf, APanAfterARestIsNoBias) {
     const Eigen::Quaterniond& q = answer.q_world_imu;
     const double error_rad =
         std::remainder(2 * std::atan2(q.z(), q.w()) - heading_rad, 2 * std::numbers::pi);
-    EXPECT_LT(std::abs(error_rad), 0.1 * 10 * pan_rad_s) << "of 10 s at " << pan_rad_s << " rad/s";
+    EXPECT_LT(std::abs(error_rad), 4 * kDegree) << "of 10 s at " << pan_rad_s << " rad/s";
   }
 }
 
@@ -295,7 +296,10 @@ TEST(AttitudeEkf, RecoversFromAHoleOfTenSeconds) {
   for (int i = 0; i <= 200; ++i) {
     answer = ekf.update({SensorTime(seconds(15) + milliseconds(5 * i)), Eigen::Vector3d::Zero(),
                          q_new.conjugate() * kUp});
-    EXPECT_LT(tilt_between(answer.q_world_imu, q_new), 1 * kDegree);
+    // The first sample alone could be a wrong stamp.
+    if (i > 0) {
+      EXPECT_LT(tilt_between(answer.q_world_imu, q_new), 1 * kDegree);
+    }
   }
   EXPECT_EQ(ekf.counts().restarts, 1u);
   const Eigen::Matrix3d covariance = ekf.predict(answer.time).covariance_rad2;
@@ -330,7 +334,7 @@ TEST(AttitudeEkf, AClippedAxisGrowsTheCovarianceAboutItself) {
   const Eigen::Matrix3d covariance = ekf.predict(time).covariance_rad2;
   EXPECT_GT(covariance(2, 2), before + 0.1);
   EXPECT_GT(covariance(2, 2), 20 * covariance(0, 0));
-  EXPECT_EQ(ekf.counts().lost_samples, 39u);
+  EXPECT_EQ(ekf.counts().lost_samples, 38u);  // a repeat could be chance, two are not
 }
 
 TEST(AttitudeEkf, AStuckAxisIsFoundAndTheStateRecovers) {
@@ -367,6 +371,39 @@ TEST(AttitudeEkf, AStuckAxisOfTheAccelerometerDoesNotTiltTheWorld) {
     EXPECT_LT(last, 1.5 * kDegree) << "axis " << axis;
     EXPECT_GT(ekf.counts().skipped_accel, 1500U);
   }
+}
+
+TEST(AttitudeEkf, OneStampInTheFutureCostsOneSample) {
+  AttitudeEkf ekf;
+  rest(ekf, SensorTime(), SensorTime(seconds(1)));
+  ekf.update(at_rest(SensorTime(std::chrono::hours(1))));
+  rest(ekf, SensorTime(milliseconds(1005)), SensorTime(seconds(3)));
+  EXPECT_EQ(ekf.counts().skipped_gyro, 1U);
+  EXPECT_EQ(ekf.counts().restarts, 0U);
+  EXPECT_EQ(ekf.predict(SensorTime(seconds(3))).origin, AttitudeOrigin::exact);
+}
+
+TEST(AttitudeEkf, AnAccelerometerThatShowsNothingIsAsNone) {
+  AttitudeEkf ekf;
+  const double bias_rad_s = 0.05;
+  for (int i = 0; i < 20000; ++i) {
+    ekf.update({SensorTime(milliseconds(5 * i)), {0, 0, bias_rad_s}, Eigen::Vector3d::Zero()});
+  }
+  EXPECT_NEAR(ekf.gyro_bias().bias_rad_s.z(), bias_rad_s, 0.005);
+  EXPECT_GT(ekf.state().step_count, 4000U);
+}
+
+TEST(AttitudeEkf, WhereNothingWasMeasuredTheHeadingStaysUnknown) {
+  AttitudeEkf ekf;
+  rest(ekf, SensorTime(), SensorTime(seconds(1)));
+  for (int i = 0; i < 4; ++i) {  // the force comes back after the rate
+    ImuSample sample = at_rest(SensorTime(seconds(11) + milliseconds(5 * i)));
+    if (i < 2) sample.accel_m_s2.reset();
+    ekf.update(sample);
+  }
+  const auto covariance = ekf.predict(ekf.state().last->time).covariance_rad2;
+  EXPECT_GT(covariance(2, 2), 3);  // rad²: spread over a full turn
+  EXPECT_LT(covariance(0, 0), 0.2);
 }
 
 TEST(AttitudeEkf, PredictsWithTheLastRate) {

@@ -130,8 +130,9 @@ TEST(FixedLagSmoother, TheWholeRecordingIsRauchTungAndStriebels) {
         next.P_predicted.fullPivLu().solve(next.F * steps[k].P_updated).transpose();
     error = (G * (error + next.correction)).eval();
     P = (steps[k].P_updated + G * (P - next.P_predicted) * G.transpose()).eval();
-    const Eigen::Quaterniond expected =
-        rotation_from_vector(error.segment<3>(Index::attitude)) * steps[k].q;
+    const auto turn = error.segment<3>(Index::attitude);  // tilt first, then heading
+    const Eigen::Quaterniond expected = rotation_from_vector({0, 0, turn.z()}) *
+                                        rotation_from_vector({turn.x(), turn.y(), 0}) * steps[k].q;
     const AttitudeEstimate& answer = answers[steps[k].sample];
     EXPECT_LT(answer.attitude.q_world_imu.angularDistance(expected), 1e-6);
     const Eigen::Matrix3d covariance = P.block<3, 3>(Index::attitude, Index::attitude);
@@ -207,6 +208,46 @@ TEST(FixedLagSmoother, AnAccelerometerThatStartsLateTurnsWhatCameBeforeAlong) {
   }
 }
 
+TEST(FixedLagSmoother, AForceThatComesLateAfterAHoleTurnsNothingBeforeIt) {
+  for (const SmootherLag lag : {SmootherLag(), SmootherLag(seconds(1))}) {
+    const Recording recording = record(60);
+    std::vector<ImuSample> samples;
+    for (ImuSample sample : recording.samples) {
+      const double t = seconds_since_epoch(sample.time);
+      if (t > 20 && t < 30) continue;
+      if (t > 29 && t < 30.1) sample.accel_m_s2.reset();
+      samples.push_back(sample);
+    }
+    double worst = 0;
+    for (const AttitudeEstimate& answer : smooth(samples, lag)) {
+      const double t = seconds_since_epoch(answer.attitude.time);
+      if (t < 10 || (t > 19 && t < 40)) continue;
+      const auto index = static_cast<std::size_t>(std::lround(t / 0.01)) - 1;
+      worst = std::max(worst, tilt_between(answer.attitude.q_world_imu, recording.truth[index]));
+    }
+    EXPECT_LT(worst, 0.1);
+  }
+}
+
+TEST(FixedLagSmoother, ALargeBiasThatIsKnownLateSpinsNothing) {
+  // A hand turns for a minute, then rests: only then the bias about the vertical is known.
+  std::vector<ImuSample> samples;
+  for (int i = 0; i < 8000; ++i) {
+    const double t = 0.01 * i;
+    const double turning = t < 60 ? 1 : 0;
+    const Eigen::Vector3d rate(0, 0, turning * 0.6 * std::sin(2 * t) + 0.08);
+    samples.push_back({time_from_seconds(t), rate, kUp});
+  }
+  for (const SmootherLag lag : {SmootherLag(), SmootherLag(seconds(3)), SmootherLag(seconds(1))}) {
+    const auto answers = smooth(samples, lag);
+    for (std::size_t i = 1; i < answers.size(); ++i) {
+      const double step =
+          answers[i].attitude.q_world_imu.angularDistance(answers[i - 1].attitude.q_world_imu);
+      ASSERT_LT(step, 0.02) << "at " << seconds_since_epoch(answers[i].attitude.time) << " s";
+    }
+  }
+}
+
 TEST(FixedLagSmoother, BadSamplesAndHolesLeaveFiniteAnswersInOrder) {
   Recording recording = record(10);
   std::vector<ImuSample> samples;
@@ -223,7 +264,8 @@ TEST(FixedLagSmoother, BadSamplesAndHolesLeaveFiniteAnswersInOrder) {
   }
   for (const SmootherLag lag : {SmootherLag(seconds(1)), SmootherLag()}) {
     const std::vector<AttitudeEstimate> answers = smooth(samples, lag);
-    ASSERT_EQ(answers.size(), recording.samples.size());
+    // The first one after the hole could be a wrong stamp.
+    ASSERT_EQ(answers.size(), recording.samples.size() - 1);
     for (std::size_t i = 0; i < answers.size(); ++i) {
       ASSERT_TRUE(answers[i].attitude.q_world_imu.coeffs().allFinite());
       ASSERT_TRUE(answers[i].covariance_rad2.allFinite());
