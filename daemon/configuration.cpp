@@ -21,6 +21,7 @@ template <typename T>
 void read_choice(TomlTable& table, std::string_view key, const std::map<std::string, T>& names,
                  T& value) {
   std::vector<NamedValue<T>> allowed;
+  allowed.reserve(names.size());
   for (const auto& [name, named] : names) allowed.push_back({name, named});
   if (const auto choice = table.choice<T>(key, allowed)) value = *choice;
 }

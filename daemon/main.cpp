@@ -15,9 +15,8 @@
 #include "drivers/replay/paced_replay.hpp"
 #include "drivers/replay/session.hpp"
 
+namespace gimbal {
 namespace {
-
-using namespace gimbal;
 
 constexpr int kExitFailed = 1;
 constexpr int kExitBadInput = 2;
@@ -112,9 +111,7 @@ int run(const Configuration& configuration) {
              : 0;
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
+int main_of(int argc, char** argv) {
   CLI::App app{"Steady video from a camera with an IMU, live", "gimbald"};
   app.set_version_flag("--version", GIMBALD_VERSION);
   std::vector<std::filesystem::path> files;
@@ -131,4 +128,11 @@ int main(int argc, char** argv) {
   const auto configuration = load_configuration(files);
   if (!configuration) return report(configuration.error());
   return check_only ? 0 : run(*configuration);
+}
+
+}  // namespace
+}  // namespace gimbal
+
+int main(int argc, char** argv) {
+  return gimbal::main_of(argc, argv);
 }

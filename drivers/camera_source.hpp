@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
+#include "pipeline/sample/calibration.hpp"
 #include "pipeline/sample/result.hpp"
 #include "pipeline/sample/video_frame.hpp"
 
@@ -12,9 +14,12 @@ struct CameraFormat {
   ImageSize size;
   double fps = 0;
   ColorInfo color;
+  std::optional<SensorDuration> readout = {};        ///< where the sensor tells it
+  std::optional<TimestampReference> timestamp = {};  ///< where the sensor tells it
 };
 
-/// Frames, one after the other. Owns no policy: whoever reads decides what to drop.
+/// Frames, one after the other. Owns no policy: whoever reads decides what to drop. One thread
+/// starts, reads and asks; `stop` may come from another, and ends a `read` that waits.
 class CameraSource {
  public:
   CameraSource() = default;
@@ -29,9 +34,14 @@ class CameraSource {
   [[nodiscard]] virtual CameraFormat format() const = 0;
 
   /// Waits for the next frame; nothing at the end of a recording or after `stop`. Stamps rise.
+  /// Fails within a few seconds when the device is gone or has fallen silent; `start` may bring it
+  /// back.
   [[nodiscard]] virtual Result<std::optional<VideoFrame>> read() = 0;
 
   virtual void stop() = 0;
+
+  /// Frames that the device took and that did not come out of `read`, since `start`.
+  [[nodiscard]] virtual std::uint64_t lost() const { return 0; }
 };
 
 }  // namespace gimbal

@@ -89,7 +89,8 @@ void Stabilizer::place_next() {
 
 void Stabilizer::follow_path() {
   while (const auto steady = path_->pop()) {
-    limiter_.push({on_path_.front(), steady->q_world_camera, required_zoom_of(steady->stamp)});
+    WantedView view{on_path_.front(), steady->q_world_camera, required_zoom_of(steady->stamp)};
+    limiter_.push(std::move(view));
     on_path_.pop_front();
   }
 }
