@@ -2,7 +2,9 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <variant>
+#include <vector>
 
 #include "pipeline/sample/imu_sample.hpp"
 #include "pipeline/sample/result.hpp"
@@ -32,6 +34,10 @@ class ImuSource {
 
   /// Samples that the device took and that did not come out of `read`, since `start`.
   [[nodiscard]] virtual std::uint64_t lost() const { return 0; }
+
+  /// What a person should know of how it runs since `start`, one line each, such as stamps that
+  /// jumped. Bounded.
+  [[nodiscard]] virtual std::vector<std::string> remarks() const { return {}; }
 };
 
 }  // namespace gimbal

@@ -25,11 +25,6 @@ SensorTime time_of(const ImuReading& reading) {
 
 }  // namespace
 
-SensorTime monotonic_now() {
-  return SensorTime(std::chrono::duration_cast<SensorDuration>(
-      std::chrono::steady_clock::now().time_since_epoch()));
-}
-
 ReplayTimeline::ReplayTimeline(const Session& session) {
   if (session.frames.size() > 1) {
     first_ = session.frames.front().time + camera_ahead(session);

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "drivers/camera_source.hpp"
+#include "drivers/clock/monotonic_now.hpp"
 #include "drivers/imu_source.hpp"
 #include "drivers/replay/replay_camera.hpp"
 #include "drivers/replay/replay_imu.hpp"
@@ -42,9 +43,6 @@ class ReplayTimeline {
   SensorDuration period_{};  ///< from a pass to the next
   std::atomic<SensorTime> begin_ = SensorTime{};
 };
-
-/// What CLOCK_MONOTONIC says.
-[[nodiscard]] SensorTime monotonic_now();
 
 /// Waits for instants, until it is told to stop.
 class Pace {

@@ -22,6 +22,11 @@ DRIVER_STANDS_ON = {
     "replay": {"gstreamer"},
 }
 STAGES_THAT_DRIVERS_MAY_USE = {"sample", "queue", "lens"}
+# What drivers share: the clock, and for those on an I²C bus the bus.
+SHARED_BY_DRIVERS = {
+    "clock": r".*",
+    "i2c": r"i2c_.*",
+}
 
 # Where a system header is at home: its name, and the units (see `unit_of`) that may include it.
 # The first match counts. Tests may include any.
@@ -37,7 +42,7 @@ SYSTEM_HEADER_HOMES = [
     (r"libcamera/.*", r"drivers/libcamera"),
     (r"iio\.h|iio/.*|linux/iio/.*", r"drivers/iio"),
     (r"gpiod\.h(pp)?|linux/gpio\.h", r"drivers/gpio"),
-    (r"linux/i2c.*", r"drivers/i2c_.*"),
+    (r"linux/i2c.*", r"drivers/i2c"),
     (r"systemd/.*", r"daemon"),
     (r"toml\+\+/.*|nlohmann/.*", r"drivers/replay|daemon"),
     (r"(CLI|spdlog)/.*", r"daemon"),
@@ -62,7 +67,7 @@ def unit_of(path):
         return None
     if folders[0] in ("daemon", "tests"):
         return folders[0]
-    if path.startswith("drivers/") and len(folders) == 1 and path.endswith("_source.hpp"):
+    if re.fullmatch(r"drivers/(\w+_source|device_report|stop_event)\.hpp", path):
         return "drivers/interface"
     return "/".join(folders[:2])
 
@@ -80,6 +85,8 @@ def may_include_unit(unit, target):
         return target_top == "pipeline" and may_include_stage(unit_name, target_name)
     if target_top == "pipeline":
         return target_name in STAGES_THAT_DRIVERS_MAY_USE | DRIVER_STANDS_ON.get(unit_name, set())
+    if re.fullmatch(SHARED_BY_DRIVERS.get(target_name, r"$"), unit_name):
+        return True
     return unit == "drivers" or target == "drivers/interface"
 
 
