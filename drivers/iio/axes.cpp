@@ -51,7 +51,8 @@ bool is_rotation(const Eigen::Matrix3d& matrix) {
 
 Result<Eigen::Matrix3d> parse_mount_matrix(std::string_view text) {
   const auto matrix = take_matrix(text);
-  if (!matrix) return bad_input(fmt::format("mount matrix \"{}\" is not three rows of three", text));
+  if (!matrix)
+    return bad_input(fmt::format("mount matrix \"{}\" is not three rows of three", text));
   if (!is_rotation(*matrix)) {
     return bad_input(fmt::format(
         "mount matrix \"{}\" is no rotation; correct it in the device tree or hwdb", text));

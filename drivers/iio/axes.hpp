@@ -19,8 +19,8 @@ struct AxesScaling {
   }
 };
 
-/// Reads "xx, xy, xz; yx, yy, yz; zx, zy, zz", as IIO prints a mount matrix. It must be orthonormal to
-/// the digits that device trees give; one of determinant -1 is refused, too.
+/// Reads "xx, xy, xz; yx, yy, yz; zx, zy, zz", as IIO prints a mount matrix. It must be orthonormal
+/// to the digits that device trees give; one of determinant -1 is refused, too.
 [[nodiscard]] Result<Eigen::Matrix3d> parse_mount_matrix(std::string_view text);
 
 }  // namespace gimbal

@@ -66,10 +66,10 @@ const IioCandidate* automatic_accel(const Candidates& candidates, const IioCandi
 }
 
 Result<const IioCandidate*> choose_gyro(const Candidates& candidates, std::string_view wanted) {
-  const auto* gyro = wanted == kAuto ? automatic_gyro(candidates)
-                                     : find_best(candidates, [&](const auto& it) {
-                                         return it.has_gyro && is_called(it, wanted);
-                                       });
+  const auto* gyro =
+      wanted == kAuto ? automatic_gyro(candidates) : find_best(candidates, [&](const auto& it) {
+        return it.has_gyro && is_called(it, wanted);
+      });
   if (gyro == nullptr) {
     return bad_input(fmt::format("iio: no gyroscope \"{}\"; inertial devices here: {}", wanted,
                                  titles_of(candidates)));
@@ -88,8 +88,8 @@ Result<const IioCandidate*> choose_accel(const Candidates& candidates, std::stri
         "{}: no usable accelerometer goes with it; say accel_device = \"none\" to do without",
         gyro.title()));
   }
-  const auto* accel = find_best(
-      candidates, [&](const auto& it) { return it.has_accel && is_called(it, wanted); });
+  const auto* accel =
+      find_best(candidates, [&](const auto& it) { return it.has_accel && is_called(it, wanted); });
   if (accel == nullptr) {
     return bad_input(fmt::format("iio: no accelerometer \"{}\"; inertial devices here: {}", wanted,
                                  titles_of(candidates)));

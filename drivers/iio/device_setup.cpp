@@ -56,8 +56,8 @@ Result<void> set_monotonic_clock(const iio_device& device) {
   }
   if (read_clock(device) == "monotonic") return {};
   const std::string why = written < 0 ? iio_error_text(written) : "it keeps " + read_clock(device);
-  return failed(fmt::format("{}: cannot set its stamps' clock to monotonic: {}", title_of(device),
-                            why));
+  return failed(
+      fmt::format("{}: cannot set its stamps' clock to monotonic: {}", title_of(device), why));
 }
 
 Result<std::optional<double>> set_rate(const iio_device& device, IioTriad triad, double wish_hz) {
@@ -79,8 +79,8 @@ Result<AxesScaling> read_scaling(const iio_device& device, IioTriad triad) {
     const iio_channel& channel = *find_axis(device, triad, axis);
     const auto scale = number_in(read_attribute(channel, "scale"));
     if (!scale || *scale == 0) {
-      return failed(fmt::format("{}: {} has no scale", title_of(device),
-                                iio_channel_get_id(&channel)));
+      return failed(
+          fmt::format("{}: {} has no scale", title_of(device), iio_channel_get_id(&channel)));
     }
     scaling.scale[axis] = *scale;
     scaling.offset[axis] = number_in(read_attribute(channel, "offset")).value_or(0);

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kStepsToLearn = 8;
 constexpr std::size_t kStepsHeld = 31;
-constexpr double kGapFrom = 1.75;     // in usual steps
+constexpr double kGapFrom = 1.75;      // in usual steps
 constexpr double kCatchUpBelow = 0.5;  // in usual steps
 constexpr std::size_t kStepsToSettle = 8;
 

@@ -10,8 +10,8 @@
 namespace gimbal {
 
 /// Counts the samples that are missing in a stream of even rate, which is all that shows when the
-/// kernel's buffer ran over. The rate is learnt from the stamps. A sample that was only late is made
-/// up for by the short steps after it, and not counted.
+/// kernel's buffer ran over. The rate is learnt from the stamps. A sample that was only late is
+/// made up for by the short steps after it, and not counted.
 class GapCounter {
  public:
   void take(SensorTime stamp);

@@ -62,7 +62,8 @@ DeviceReport report_on(const iio_device& device, const IioCandidate& candidate) 
   report.details.push_back(trigger_line(trigger));
   if (trigger == TriggerState::impossible) {
     report.obstacle =
-        "has no trigger, and none may be made; load the module iio-trig-hrtimer and run as root, or "
+        "has no trigger, and none may be made; load the module iio-trig-hrtimer and run as root, "
+        "or "
         "set current_trigger";
   } else {
     report.obstacle = rate_obstacle(available);

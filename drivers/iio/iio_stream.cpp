@@ -38,8 +38,8 @@ std::int64_t convert(const iio_channel& channel, const void* raw) {
 
 bool is_plain_number(const iio_channel& channel) {
   const iio_data_format& format = *iio_channel_get_data_format(&channel);
-  const bool is_word = format.length == 8 || format.length == 16 || format.length == 32 ||
-                       format.length == 64;
+  const bool is_word =
+      format.length == 8 || format.length == 16 || format.length == 32 || format.length == 64;
   return is_word && format.repeat <= 1;
 }
 

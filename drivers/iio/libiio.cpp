@@ -54,8 +54,7 @@ std::string obstacle_of(const iio_device& device) {
     return "has no timestamp channel";
   }
   const std::string id = iio_device_get_id(&device);
-  for (const std::string& path :
-       {"/dev/" + id, "/sys/bus/iio/devices/" + id + "/buffer/enable"}) {
+  for (const std::string& path : {"/dev/" + id, "/sys/bus/iio/devices/" + id + "/buffer/enable"}) {
     if (auto obstacle = permission_obstacle(path); !obstacle.empty()) return obstacle;
   }
   return {};

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <cmath>
 #include <cerrno>
+#include <cmath>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
@@ -27,8 +27,8 @@ Result<void> write_text(const fs::path& file, const std::string& text) {
   std::ofstream stream(file);
   stream << text << std::flush;
   if (stream) return {};
-  return failed(fmt::format("cannot write \"{}\" to {}: {}", text, file.string(),
-                            std::strerror(errno)));
+  return failed(
+      fmt::format("cannot write \"{}\" to {}: {}", text, file.string(), std::strerror(errno)));
 }
 
 /// The folder of the trigger that is called so.
@@ -69,9 +69,10 @@ Result<std::string> make_timer_trigger(const IioFolders& folders, const std::str
   std::error_code error;
   fs::create_directory(folders.timer_triggers / name, error);
   if (error) {
-    return failed(fmt::format("cannot make a trigger for {} in {}: {}; run as root, or set a trigger "
-                              "before",
-                              device_id, folders.timer_triggers.string(), error.message()));
+    return failed(
+        fmt::format("cannot make a trigger for {} in {}: {}; run as root, or set a trigger "
+                    "before",
+                    device_id, folders.timer_triggers.string(), error.message()));
   }
   return name;
 }

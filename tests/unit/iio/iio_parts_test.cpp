@@ -39,10 +39,10 @@ TEST(MountMatrix, ReadsWhatTheKernelPrints) {
 }
 
 TEST(MountMatrix, RefusesWhatIsNoRotation) {
-  for (const std::string text : {"", "1, 0, 0", "1, 0, 0; 0, 1, 0; 0, 0", "1; 0; 0; 0; 1; 0; 0; 0; 1",
-                                 "1, 0, 0; 0, 1, 0; 0, 0, 1; 0", "a, b, c; d, e, f; g, h, i",
-                                 "-1, 0, 0; 0, 1, 0; 0, 0, 1", "2, 0, 0; 0, 2, 0; 0, 0, 2",
-                                 "nan, 0, 0; 0, 1, 0; 0, 0, 1"}) {
+  for (const std::string text :
+       {"", "1, 0, 0", "1, 0, 0; 0, 1, 0; 0, 0", "1; 0; 0; 0; 1; 0; 0; 0; 1",
+        "1, 0, 0; 0, 1, 0; 0, 0, 1; 0", "a, b, c; d, e, f; g, h, i", "-1, 0, 0; 0, 1, 0; 0, 0, 1",
+        "2, 0, 0; 0, 2, 0; 0, 0, 2", "nan, 0, 0; 0, 1, 0; 0, 0, 1"}) {
     EXPECT_FALSE(parse_mount_matrix(text)) << text;
   }
 }
@@ -155,7 +155,8 @@ TEST(SampleMerger, OneDeviceWaitsForNobody) {
 
 // --- the choice of devices ---------------------------------------------------------------------
 
-IioCandidate gyro(const std::string& id, const std::string& name, const std::string& obstacle = {}) {
+IioCandidate gyro(const std::string& id, const std::string& name,
+                  const std::string& obstacle = {}) {
   return {.id = id, .name = name, .label = {}, .has_gyro = true, .obstacle = obstacle};
 }
 
@@ -164,8 +165,13 @@ IioCandidate accel(const std::string& id, const std::string& name,
   return {.id = id, .name = name, .label = {}, .has_accel = true, .obstacle = obstacle};
 }
 
-IioCandidate both(const std::string& id, const std::string& name, const std::string& obstacle = {}) {
-  return {.id = id, .name = name, .label = {}, .has_gyro = true, .has_accel = true,
+IioCandidate both(const std::string& id, const std::string& name,
+                  const std::string& obstacle = {}) {
+  return {.id = id,
+          .name = name,
+          .label = {},
+          .has_gyro = true,
+          .has_accel = true,
           .obstacle = obstacle};
 }
 
@@ -187,9 +193,8 @@ TEST(DeviceChoice, PairsWhatBelongsTogether) {
 }
 
 TEST(DeviceChoice, PassesOverWhatIsNotUsable) {
-  const auto choice = choose_devices({both("d0", "mpu6050", "has no buffer"), gyro("d1", "gyro_3d"),
-                                      accel("d2", "accel_3d")},
-                                     {});
+  const auto choice = choose_devices(
+      {both("d0", "mpu6050", "has no buffer"), gyro("d1", "gyro_3d"), accel("d2", "accel_3d")}, {});
   ASSERT_TRUE(choice) << choice.error().message;
   EXPECT_EQ(choice->gyro, "d1");
   EXPECT_EQ(choice->accel, "d2");

@@ -1,0 +1,120 @@
+#include "drivers/gpio/gpio_edges.hpp"
+
+#include <fmt/format.h>
+#include <poll.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <ctime>
+#include <deque>
+#include <utility>
+
+#include "drivers/clock/monotonic_now.hpp"
+#include "drivers/clock/stamp_gate.hpp"
+#include "drivers/stop_event.hpp"
+
+namespace gimbal {
+namespace {
+
+class GpioEdgeSource final : public EdgeSource {
+ public:
+  GpioEdgeSource(GpioInputSettings settings, GpioInputOpener opener)
+      : settings_(std::move(settings)), opener_(std::move(opener)), gate_(make_gate()) {}
+
+  [[nodiscard]] Result<void> start() override;
+  [[nodiscard]] Result<std::optional<Edge>> read_until(SensorTime deadline) override;
+  void stop() override { stop_.set(); }
+  [[nodiscard]] std::uint64_t lost() const override { return lost_ + gate_.refused(); }
+
+ private:
+  [[nodiscard]] StampGate make_gate() const {
+    return {"gpio " + to_string(settings_.address), ForeignClock::refuse};
+  }
+  [[nodiscard]] bool wait_until(SensorTime deadline) const;
+  [[nodiscard]] Result<void> take_edges();
+  void count_lost(const KernelEdge& edge);
+
+  GpioInputSettings settings_;
+  GpioInputOpener opener_;
+  StopEvent stop_;
+  std::unique_ptr<GpioInput> input_;
+  StampGate gate_;
+  std::deque<Edge> edges_;
+  std::optional<std::uint32_t> last_sequence_;
+  std::uint64_t sequence_ = 0;
+  std::uint64_t lost_ = 0;
+};
+
+Result<void> GpioEdgeSource::start() {
+  stop_.clear();
+  input_.reset();
+  auto input = opener_(settings_);
+  if (!input) return tl::unexpected(input.error());
+  input_ = *std::move(input);
+  gate_ = make_gate();
+  edges_.clear();
+  last_sequence_.reset();
+  sequence_ = lost_ = 0;
+  return {};
+}
+
+Result<std::optional<Edge>> GpioEdgeSource::read_until(SensorTime deadline) {
+  const std::optional<Edge> nothing;
+  if (!input_)
+    return failed(fmt::format("gpio {}: read before start", to_string(settings_.address)));
+  while (edges_.empty()) {
+    if (!wait_until(deadline)) return nothing;
+    if (auto taken = take_edges(); !taken) return tl::unexpected(taken.error());
+  }
+  if (stop_.is_set()) return nothing;
+  const Edge edge = edges_.front();
+  edges_.pop_front();
+  return edge;
+}
+
+/// False when it was stopped or the deadline is over without an edge.
+bool GpioEdgeSource::wait_until(SensorTime deadline) const {
+  const SensorDuration left = std::max(deadline - monotonic_now(), SensorDuration::zero());
+  const auto whole = std::chrono::duration_cast<std::chrono::seconds>(left);
+  const timespec timeout{.tv_sec = whole.count(), .tv_nsec = (left - whole).count()};
+  std::array<pollfd, 2> waiting{pollfd{.fd = stop_.fd(), .events = POLLIN, .revents = 0},
+                                pollfd{.fd = input_->fd(), .events = POLLIN, .revents = 0}};
+  ppoll(waiting.data(), waiting.size(), &timeout, nullptr);
+  return waiting[0].revents == 0 && waiting[1].revents != 0;
+}
+
+Result<void> GpioEdgeSource::take_edges() {
+  const auto edges = input_->read();
+  if (!edges) return tl::unexpected(edges.error());
+  const SensorTime arrival = monotonic_now();
+  for (const KernelEdge& edge : *edges) {
+    count_lost(edge);
+    const auto time = gate_.pass(edge.stamp, arrival);
+    if (!time) return tl::unexpected(time.error());
+    if (!*time) continue;
+    edges_.push_back({**time, settings_.address.line, edge.direction, sequence_});
+  }
+  return {};
+}
+
+void GpioEdgeSource::count_lost(const KernelEdge& edge) {
+  std::uint32_t step = 1;
+  if (edge.sequence && last_sequence_) step = *edge.sequence - *last_sequence_;  // wraps around
+  last_sequence_ = edge.sequence;
+  sequence_ += step;
+  lost_ += step - 1;
+}
+
+}  // namespace
+
+std::unique_ptr<EdgeSource> open_gpio_edges(const GpioInputSettings& settings) {
+  return open_gpio_edges(settings, GpioInput::open);
+}
+
+std::unique_ptr<EdgeSource> open_gpio_edges(const GpioInputSettings& settings,
+                                            GpioInputOpener opener) {
+  return std::make_unique<GpioEdgeSource>(settings, std::move(opener));
+}
+
+}  // namespace gimbal
