@@ -10,6 +10,9 @@ namespace {
 /// several times a second.
 constexpr SensorDuration kMaxGap = std::chrono::milliseconds(100);
 
+/// As many as the widest window looks back at, at 60 fps.
+constexpr std::size_t kRememberedPoses = 100;
+
 /// In a sixteenth of a readout a hand's turn bends an edge by less than a tenth of a pixel.
 constexpr int kOutlinePointsPerSide = 17;
 
@@ -58,18 +61,52 @@ void Stabilizer::push(const FrameStamp& stamp) {
 }
 
 void Stabilizer::take_attitudes() {
-  while (const auto attitude = attitudes_->pop()) history_.append(*attitude);
+  while (const auto attitude = attitudes_->pop()) {
+    if (is_coasting_) {
+      const Attitude& held = history_.attitudes().back();
+      if (attitude->time <= held.time) continue;
+      join_.join(held.q_world_imu, *attitude);
+      is_coasting_ = false;
+    }
+    history_.append(join_.turned(*attitude));
+  }
   place_waiting_stamps();
+}
+
+void Stabilizer::coast_to(SensorTime time) {
+  is_coasting_ = true;
+  history_.append({time, history_.empty() ? Eigen::Quaterniond::Identity()
+                                          : history_.attitudes().back().q_world_imu});
+  place_waiting_stamps();
+}
+
+void Stabilizer::begin_path(std::unique_ptr<CameraPath> path) {
+  release_waiting();
+  path_ = std::move(path);
+  left_path_.clear();
+}
+
+void Stabilizer::replace_path(std::unique_ptr<CameraPath> path, const StabilizerOptions& options) {
+  path_ = std::move(path);
+  options_ = options;
+  limiter_ = ViewLimiter(options.zoom, options.latency);
+  for (const FramePose& pose : left_path_) path_->push(pose);
+  for (const FramePose& pose : on_path_) path_->push(pose);
+  follow_path();
 }
 
 void Stabilizer::finish() {
   attitudes_->finish();
   take_attitudes();
+  release_waiting();
+  limiter_.finish();
+}
+
+void Stabilizer::release_waiting() {
   if (history_.empty()) return;
   while (!waiting_.empty()) place_next();
   path_->finish();
   follow_path();
-  limiter_.finish();
 }
 
 void Stabilizer::place_waiting_stamps() {
@@ -89,8 +126,13 @@ void Stabilizer::place_next() {
 
 void Stabilizer::follow_path() {
   while (const auto steady = path_->pop()) {
+    const bool has_come =
+        !left_path_.empty() && steady->stamp.time <= left_path_.back().stamp.time;
+    if (has_come) continue;  // from the path that this one replaced
     WantedView view{on_path_.front(), steady->q_world_camera, required_zoom_of(steady->stamp)};
     limiter_.push(std::move(view));
+    left_path_.push_back(on_path_.front());
+    if (left_path_.size() > kRememberedPoses) left_path_.pop_front();
     on_path_.pop_front();
   }
 }

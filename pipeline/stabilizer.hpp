@@ -13,6 +13,7 @@
 #include "pipeline/sample/result.hpp"
 #include "pipeline/sample/virtual_camera.hpp"
 #include "pipeline/smoother/attitude_history.hpp"
+#include "pipeline/smoother/attitude_join.hpp"
 #include "pipeline/smoother/attitude_stream.hpp"
 #include "pipeline/timing/row_timing.hpp"
 #include "pipeline/warp/frame_outline.hpp"
@@ -49,6 +50,19 @@ class Stabilizer {
   /// Waits inside until the history reaches the end of the frame's readout.
   void push(const FrameStamp& stamp);
 
+  /// The IMU is silent: until `time`, or until it speaks again, the camera is taken to stand still.
+  /// The path glides there, so the picture ends as it was taken; when samples come again, the
+  /// orientation goes on from there.
+  void coast_to(SensorTime time);
+
+  /// The camera is gone: frames that wait come out as at the end. Those still to come are the first
+  /// ones of `path`.
+  void begin_path(std::unique_ptr<CameraPath> path);
+
+  /// Other choices from the next camera on. `path` is given the frames before, so that it does not
+  /// begin anew. Precondition: all cameras that were ready have been taken.
+  void replace_path(std::unique_ptr<CameraPath> path, const StabilizerOptions& options);
+
   /// No more samples and stamps come.
   void finish();
 
@@ -83,6 +97,7 @@ class Stabilizer {
   [[nodiscard]] SensorTime readout_end(const FrameStamp& stamp) const;
   [[nodiscard]] PinholeIntrinsics unzoomed() const;
   [[nodiscard]] RequiredZoom required_zoom_of(const FrameStamp& stamp) const;
+  void release_waiting();
   void take_attitudes();
   void place_waiting_stamps();
   void place_next();
@@ -97,9 +112,12 @@ class Stabilizer {
 
   std::unique_ptr<AttitudeStream> attitudes_;
   AttitudeHistory history_;
+  AttitudeJoin join_;
+  bool is_coasting_ = false;
   std::deque<FrameStamp> waiting_;  ///< for the history to reach them
   std::unique_ptr<CameraPath> path_;
   std::deque<FramePose> on_path_;  ///< real poses whose steady ones are still to come
+  std::deque<FramePose> left_path_;  ///< the last real poses whose steady ones have come
   ViewLimiter limiter_;
 };
 
