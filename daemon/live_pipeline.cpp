@@ -1,9 +1,13 @@
 #include "daemon/live_pipeline.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "daemon/journal.hpp"
+#include "daemon/no_signal.hpp"
 #include "drivers/replay/paced_replay.hpp"
 
 namespace gimbal {
@@ -13,19 +17,42 @@ namespace {
 constexpr std::size_t kHeldInflow = 4096;
 /// What may wait for the one that draws: more would only be late.
 constexpr std::size_t kHeldDrawings = 2;
-/// Frames that may wait for orientations beside those that the path waits for.
-constexpr std::size_t kHeldForOrientation = 15;
+/// How much longer frames may wait for orientations than the path waits for frames.
+constexpr double kPatience_s = 0.5;
+constexpr std::size_t kThreads = 4;
 constexpr std::size_t kRememberedAges = 1000;
+/// A live accelerometer that is silent must not hold the gyroscope back for long.
+constexpr ImuAlignerParameters kLiveAligner{.patience = std::chrono::milliseconds(100)};
+/// An IMU that is further behind the frames is silent. Its buffers may well hold a tenth of a
+/// second.
+constexpr SensorDuration kSilence = std::chrono::milliseconds(300);
+/// A stamp further from now is not on this clock.
+constexpr SensorDuration kOffClock = std::chrono::seconds(1);
+/// Without frames, orientations are of no use for longer.
+constexpr SensorDuration kRememberedAttitudes = std::chrono::seconds(1);
+
+double usual_fps(const CameraCalibration& calibration) {
+  return calibration.fps > 0 ? calibration.fps : kThesisFps;
+}
+
+std::size_t most_held(const StabilizationSettings& settings, const CameraCalibration& calibration) {
+  return settings.latency.value_or(0) +
+         static_cast<std::size_t>(std::ceil(kPatience_s * usual_fps(calibration)));
+}
+
+SensorTime stamp_of(const ImuReading& reading) {
+  return std::visit([](const auto& sample) { return sample.time; }, reading);
+}
 
 }  // namespace
 
 Result<std::unique_ptr<LivePipeline>> LivePipeline::start(LiveSources sources,
                                                           const StabilizationSettings& settings,
-                                                          const std::vector<std::string>& outputs) {
-  const double fps = sources.camera_calibration.fps;
+                                                          const std::vector<std::string>& outputs,
+                                                          SourceObserver* observer) {
   auto stabilizer = Stabilizer::create(sources.camera_calibration, sources.imu_calibration,
                                        make_attitudes(settings.estimator, Lookahead::nothing()),
-                                       make_path(settings, fps > 0 ? fps : kThesisFps),
+                                       make_path(settings, usual_fps(sources.camera_calibration)),
                                        stabilizer_options(settings));
   if (!stabilizer) return tl::unexpected(stabilizer.error());
   if (auto started = sources.camera->start(); !started) return tl::unexpected(started.error());
@@ -34,7 +61,7 @@ Result<std::unique_ptr<LivePipeline>> LivePipeline::start(LiveSources sources,
   }
   sources.camera->stop();
   std::unique_ptr<LivePipeline> pipeline(
-      new LivePipeline(std::move(sources), std::move(*stabilizer), settings, outputs));
+      new LivePipeline(std::move(sources), std::move(*stabilizer), settings, outputs, observer));
   if (auto started = pipeline->start_threads(); !started) return tl::unexpected(started.error());
   return pipeline;
 }
@@ -46,8 +73,8 @@ Result<void> LivePipeline::start_threads() {
   threads_.emplace_back([this, &can_draw] { draw(can_draw); });
   if (auto opened = drawing.get(); !opened) return opened;
   threads_.emplace_back([this] { follow(); });
-  if (auto started = sources_.camera->start(); !started) return started;
-  if (auto started = sources_.imu->start(); !started) return started;
+  if (auto started = camera_.start(); !started) return started;
+  if (auto started = imu_.start(); !started) return started;
   threads_.emplace_back([this] { read_imu(); });
   threads_.emplace_back([this] { read_camera(); });
   return {};
@@ -55,16 +82,18 @@ Result<void> LivePipeline::start_threads() {
 
 LivePipeline::LivePipeline(LiveSources sources, Stabilizer stabilizer,
                            const StabilizationSettings& settings,
-                           const std::vector<std::string>& outputs)
-    : sources_(std::move(sources)),
-      settings_(settings),
-      most_held_(settings.latency.value_or(0) + kHeldForOrientation),
+                           const std::vector<std::string>& outputs, SourceObserver* observer)
+    : camera_("camera", std::move(sources.camera)),
+      imu_("imu", std::move(sources.imu)),
+      calibration_(sources.camera_calibration),
+      observer_(observer),
       inflow_(kHeldInflow),
       drawings_(kHeldDrawings),
+      settings_(settings),
       stabilizer_(std::move(stabilizer)),
-      aligner_(sources_.accelerometer) {
+      aligner_(sources.accelerometer, kLiveAligner) {
   for (const std::string& output : outputs) {
-    outputs_.push_back(std::make_unique<Output>(output, sources_.camera->format().fps));
+    outputs_.push_back(std::make_unique<Output>(output, camera_.source().format().fps));
   }
 }
 
@@ -73,107 +102,227 @@ LivePipeline::~LivePipeline() {
 }
 
 void LivePipeline::stop() {
-  sources_.camera->stop();
-  sources_.imu->stop();
+  camera_.stop();
+  imu_.stop();
+  if (threads_.size() < kThreads) inflow_.close();  // a source that never ran does not end it
   for (std::thread& thread : threads_) {
     if (thread.joinable()) thread.join();
   }
   for (const auto& output : outputs_) output->finish();
 }
 
+void LivePipeline::apply(const StabilizationSettings& settings) {
+  inflow_.push(settings);
+}
+
+std::unique_ptr<CameraPath> LivePipeline::new_path() const {
+  return make_path(settings_, usual_fps(calibration_));
+}
+
+// --- reading ------------------------------------------------------------------------------------
+
 void LivePipeline::read_camera() {
-  while (auto frame = sources_.camera->read()) {
-    if (!*frame) break;
-    ++frames_in_;
-    if (!inflow_.push(**std::move(frame))) break;
+  while (true) {
+    auto reading = camera_.read();
+    if (auto* frame = std::get_if<VideoFrame>(&reading)) {
+      ++frames_in_;
+      is_camera_lost_ = false;
+      if (observer_ != nullptr) observer_->saw(*frame);
+      if (!inflow_.push(std::move(*frame))) break;
+    } else if (std::holds_alternative<SourceLost>(reading)) {
+      is_camera_lost_ = true;
+      if (!inflow_.push(SourceLost{})) break;
+    } else {
+      break;
+    }
   }
   inflow_.push(SourceEnd{});
 }
 
 void LivePipeline::read_imu() {
-  while (auto reading = sources_.imu->read()) {
-    if (!*reading) break;
+  while (true) {
+    const auto reading = imu_.read();
+    if (std::holds_alternative<SourceEnd>(reading)) break;
+    const auto* sample = std::get_if<ImuReading>(&reading);
+    if (sample == nullptr) continue;  // the frames show how long the silence lasts
     ++samples_;
-    const bool is_taken =
-        std::visit([&](const auto& sample) { return inflow_.push(sample); }, **reading);
-    if (!is_taken) break;
+    const SensorDuration off = stamp_of(*sample) - monotonic_now();
+    if (off > kOffClock || off < -kOffClock) {
+      ++samples_off_clock_;
+      continue;
+    }
+    if (observer_ != nullptr) observer_->saw(*sample);
+    if (!std::visit([&](const auto& one) { return inflow_.push(one); }, *sample)) break;
   }
   inflow_.push(SourceEnd{});
 }
+
+// --- following the camera -----------------------------------------------------------------------
 
 void LivePipeline::follow() {
   while (sources_running_ > 0) {
     const auto item = inflow_.pop();
     if (!item) break;
-    take(*item);
+    std::visit([this](const auto& one) { take(one); }, *item);
     while (const auto camera = stabilizer_.next_camera()) hand_on(*camera);
   }
   aligner_.finish();
   push_aligned_samples();
   stabilizer_.finish();
-  // All that the path held comes at once, and nothing comes after it: no reason to drop any.
+  hand_on_all();
+  drawings_.close();
+}
+
+void LivePipeline::take(const GyroSample& sample) {
+  aligner_.push(sample);
+  push_aligned_samples();
+}
+
+void LivePipeline::take(const AccelSample& sample) {
+  aligner_.push(sample);
+  push_aligned_samples();
+}
+
+void LivePipeline::take(const VideoFrame& frame) {
+  if (last_frame_ && frame.stamp.time <= *last_frame_) {
+    ++dropped_out_of_order_;
+    return;
+  }
+  if (held_.size() >= most_held(settings_, calibration_)) {
+    ++dropped_without_orientation_;
+    return;
+  }
+  last_frame_ = frame.stamp.time;
+  held_.push_back(frame);
+  stabilizer_.push(frame.stamp);
+  coast_if_the_imu_is_silent(frame.stamp);
+}
+
+void LivePipeline::take(const StabilizationSettings& settings) {
+  settings_.amount = settings.amount;
+  settings_.path = settings.path;
+  settings_.latency = settings.latency;
+  settings_.zoom = settings.zoom;
+  settings_.border = settings.border;
+  stabilizer_.replace_path(new_path(), stabilizer_options(settings_));
+  hand_on_all();
+}
+
+/// Nothing will come that the held frames could wait for.
+void LivePipeline::take(SourceLost) {
+  stabilizer_.begin_path(new_path());
+  hand_on_all();
+}
+
+void LivePipeline::take(SourceEnd) {
+  --sources_running_;
+}
+
+void LivePipeline::push_aligned_samples() {
+  while (const auto sample = aligner_.pop()) {
+    last_sample_ = sample->time;
+    is_coasting_ = false;
+    stabilizer_.push(*sample);
+    if (held_.empty()) stabilizer_.forget_before(sample->time - kRememberedAttitudes);
+  }
+}
+
+/// The frames are the clock here, so a replay does the same each time.
+void LivePipeline::coast_if_the_imu_is_silent(const FrameStamp& stamp) {
+  const SensorTime frame = stamp.time + calibration_.time_offset;
+  if (!last_sample_) last_sample_ = frame;
+  if (frame - *last_sample_ < kSilence) return;
+  is_coasting_ = true;
+  stabilizer_.coast_to(frame + calibration_.readout);
+}
+
+/// For what the path held and lets go at once: many frames in no time, but none of them is late.
+void LivePipeline::hand_on_all() {
   while (const auto camera = stabilizer_.next_camera()) {
     drawings_.wait_for_room();
     hand_on(*camera);
   }
-  drawings_.close();
-}
-
-void LivePipeline::take(const Inflow& item) {
-  if (const auto* frame = std::get_if<VideoFrame>(&item)) {
-    take_frame(*frame);
-  } else if (const auto* gyro = std::get_if<GyroSample>(&item)) {
-    aligner_.push(*gyro);
-    push_aligned_samples();
-  } else if (const auto* accel = std::get_if<AccelSample>(&item)) {
-    aligner_.push(*accel);
-    push_aligned_samples();
-  } else {
-    --sources_running_;
-  }
-}
-
-void LivePipeline::take_frame(const VideoFrame& frame) {
-  if (held_.size() >= most_held_) {
-    ++dropped_without_orientation_;
-    return;
-  }
-  held_.push_back(frame);
-  stabilizer_.push(frame.stamp);
-}
-
-void LivePipeline::push_aligned_samples() {
-  while (const auto sample = aligner_.pop()) stabilizer_.push(*sample);
 }
 
 /// Cameras come in the order of the frames that were pushed.
 void LivePipeline::hand_on(const VirtualCamera& camera) {
+  {
+    const std::lock_guard lock(mutex_);
+    q_world_camera_ = stabilizer_.real_pose(camera.stamp).q_world_camera;
+    suspicion_ = stabilizer_.suspicion();
+  }
   drawings_.push({std::move(held_.front()), stabilizer_.mesh_for(camera)});
   held_.pop_front();
   stabilizer_.forget(camera.stamp);
 }
 
+// --- drawing ------------------------------------------------------------------------------------
+
 void LivePipeline::draw(std::promise<Result<void>>& can_draw) {
-  auto chosen = choose_warper(settings_.warper, sources_.camera_calibration.size);
-  if (!chosen) {
-    can_draw.set_value(tl::unexpected(chosen.error()));
+  auto warper = open_warper();
+  if (!warper) {
+    can_draw.set_value(tl::unexpected(warper.error()));
     return;
   }
-  if (!chosen->warning.empty()) log_line(LogLevel::warning, chosen->warning);
-  renderer_ = chosen->warper->name() + ", " + chosen->warper->renderer();
   can_draw.set_value({});
-  while (const auto drawing = drawings_.pop()) {
-    const auto drawn = chosen->warper->warp(drawing->frame, drawing->mesh);
+  const auto period = duration_from_seconds(1 / usual_fps(calibration_));
+  while (!drawings_.is_at_end()) {
+    const auto drawing = drawings_.pop_within(period);
+    if (!drawing) {
+      if (is_camera_lost_) draw_no_signal();
+      continue;
+    }
+    auto drawn = draw_one(*warper, *drawing);
     if (!drawn) {
       fail(drawn.error());
       return;
     }
     note_age(drawn->stamp.time);
     ++frames_out_;
-    for (const auto& output : outputs_) output->offer(*drawn);
+    show(std::move(*drawn));
   }
   has_ended_ = true;
 }
+
+Result<std::unique_ptr<Warper>> LivePipeline::open_warper() {
+  auto chosen = choose_warper(settings_.warper, calibration_.size);
+  if (!chosen) return tl::unexpected(chosen.error());
+  if (!chosen->warning.empty()) log_line(LogLevel::warning, chosen->warning);
+  const std::lock_guard lock(mutex_);
+  renderer_ = chosen->warper->name() + ", " + chosen->warper->renderer();
+  return std::move(chosen->warper);
+}
+
+/// A renderer that was reset is opened again; one that fails twice has failed.
+Result<VideoFrame> LivePipeline::draw_one(std::unique_ptr<Warper>& warper, const Drawing& drawing) {
+  auto drawn = warper->warp(drawing.frame, drawing.mesh);
+  if (drawn) return drawn;
+  log_line(LogLevel::error, drawn.error().message + "; opening the renderer again");
+  warper.reset();
+  auto again = open_warper();
+  if (!again) return tl::unexpected(again.error());
+  warper = std::move(*again);
+  return warper->warp(drawing.frame, drawing.mesh);
+}
+
+/// Stamped as late as a frame would be that is drawn now.
+void LivePipeline::draw_no_signal() {
+  VideoFrame picture = no_signal_picture(calibration_.size, camera_.source().format().color);
+  picture.stamp.time = monotonic_now() - age().median;
+  ++no_signal_pictures_;
+  show(std::move(picture));
+}
+
+/// Outputs want stamps that rise, whatever the sources do.
+void LivePipeline::show(VideoFrame frame) {
+  if (last_shown_ && frame.stamp.time <= *last_shown_) {
+    frame.stamp.time = *last_shown_ + std::chrono::microseconds(1);
+  }
+  last_shown_ = frame.stamp.time;
+  for (const auto& output : outputs_) output->offer(frame);
+}
+
+// --- how it goes --------------------------------------------------------------------------------
 
 void LivePipeline::note_age(SensorTime stamp) {
   const SensorDuration age = monotonic_now() - stamp;
@@ -201,13 +350,34 @@ std::optional<Error> LivePipeline::failure() const {
   return failure_;
 }
 
+std::string LivePipeline::renderer() const {
+  const std::lock_guard lock(mutex_);
+  return renderer_;
+}
+
+LiveStatus LivePipeline::status() const {
+  LiveStatus status;
+  status.camera = camera_.status();
+  status.imu = imu_.status();
+  status.is_coasting = is_coasting_;
+  status.counts = counts();
+  status.age = age();
+  const std::lock_guard lock(mutex_);
+  status.q_world_camera = q_world_camera_;
+  status.suspicion = suspicion_;
+  return status;
+}
+
 LiveCounts LivePipeline::counts() const {
   LiveCounts counts;
   counts.frames_in = frames_in_;
   counts.frames_out = frames_out_;
   counts.dropped_without_orientation = dropped_without_orientation_;
   counts.dropped_before_drawing = drawings_.dropped();
+  counts.dropped_out_of_order = dropped_out_of_order_;
+  counts.no_signal_pictures = no_signal_pictures_;
   counts.samples = samples_;
+  counts.samples_off_clock = samples_off_clock_;
   return counts;
 }
 

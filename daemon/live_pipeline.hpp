@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "daemon/output.hpp"
+#include "daemon/revived_source.hpp"
 #include "daemon/stabilization.hpp"
 #include "drivers/camera_source.hpp"
 #include "drivers/imu_source.hpp"
@@ -36,9 +37,12 @@ struct LiveSources {
 struct LiveCounts {
   std::uint64_t frames_in = 0;
   std::uint64_t frames_out = 0;
-  std::uint64_t dropped_without_orientation = 0;  ///< the IMU was behind for too long
+  std::uint64_t dropped_without_orientation = 0;  ///< more waited than there is room for
   std::uint64_t dropped_before_drawing = 0;       ///< drawing was too slow
+  std::uint64_t dropped_out_of_order = 0;         ///< not later than one that came before
+  std::uint64_t no_signal_pictures = 0;           ///< shown while no camera delivered
   std::uint64_t samples = 0;
+  std::uint64_t samples_off_clock = 0;  ///< stamped more than a second from now, left out
 };
 
 /// From the instant that a frame's stamp names to the end of its drawing.
@@ -47,14 +51,40 @@ struct FrameAge {
   SensorDuration p99{};
 };
 
+/// How things are at an instant.
+struct LiveStatus {
+  SourceStatus camera;
+  SourceStatus imu;
+  bool is_coasting = false;  ///< no samples come: the picture is passed through
+  LiveCounts counts;
+  FrameAge age;                                      ///< of the last frames
+  std::optional<Eigen::Quaterniond> q_world_camera;  ///< of the last frame drawn
+  std::string suspicion;                             ///< see AttitudeStream; empty if none
+};
+
+/// Sees what the sources deliver, on their threads. Must not wait.
+class SourceObserver {
+ public:
+  SourceObserver() = default;
+  SourceObserver(const SourceObserver&) = delete;
+  SourceObserver& operator=(const SourceObserver&) = delete;
+  virtual ~SourceObserver() = default;
+  virtual void saw(const VideoFrame& frame) = 0;
+  virtual void saw(const ImuReading& reading) = 0;
+};
+
 /// Runs the stages on threads: one for each source, one for estimate, smoother and path, one that
 /// draws, one for each output. Queues lie only between these. Inertial samples are never dropped;
 /// of frames the newest win.
+///
+/// A source that fails is brought back. Without a camera the outputs get a picture that says so;
+/// without an IMU the picture glides to what the camera takes, and back.
 class LivePipeline {
  public:
+  /// `observer`: none, or one that lives longer.
   [[nodiscard]] static Result<std::unique_ptr<LivePipeline>> start(
       LiveSources sources, const StabilizationSettings& settings,
-      const std::vector<std::string>& outputs);
+      const std::vector<std::string>& outputs, SourceObserver* observer = nullptr);
 
   LivePipeline(const LivePipeline&) = delete;
   LivePipeline& operator=(const LivePipeline&) = delete;
@@ -63,6 +93,10 @@ class LivePipeline {
   /// Stops the sources, lets what is held come out, and ends the outputs properly.
   void stop();
 
+  /// From the next frame on: amount, path, latency, zoom and border. The others are what they were
+  /// at the start.
+  void apply(const StabilizationSettings& settings);
+
   /// Whether nothing more can come out: the sources have ended, a stage has failed, or no output is
   /// left.
   [[nodiscard]] bool has_ended() const;
@@ -70,25 +104,30 @@ class LivePipeline {
   /// What made it end, if that was a failure.
   [[nodiscard]] std::optional<Error> failure() const;
 
+  /// Grows as long as pictures are drawn, whatever they show.
+  [[nodiscard]] std::uint64_t progress() const { return frames_out_ + no_signal_pictures_; }
+
+  [[nodiscard]] LiveStatus status() const;
   [[nodiscard]] LiveCounts counts() const;
   [[nodiscard]] FrameAge age() const;  ///< of the last frames
   [[nodiscard]] const std::vector<std::unique_ptr<Output>>& outputs() const { return outputs_; }
 
   /// What draws.
-  [[nodiscard]] const std::string& renderer() const { return renderer_; }
+  [[nodiscard]] std::string renderer() const;
 
  private:
-  struct SourceEnd {};
-  using Inflow = std::variant<GyroSample, AccelSample, VideoFrame, SourceEnd>;
+  using Inflow = std::variant<GyroSample, AccelSample, VideoFrame, StabilizationSettings,
+                              SourceLost, SourceEnd>;
   struct Drawing {
     VideoFrame frame;
     WarpMesh mesh;
   };
 
   LivePipeline(LiveSources sources, Stabilizer stabilizer, const StabilizationSettings& settings,
-               const std::vector<std::string>& outputs);
+               const std::vector<std::string>& outputs, SourceObserver* observer);
 
   [[nodiscard]] Result<void> start_threads();
+  [[nodiscard]] std::unique_ptr<CameraPath> new_path() const;
 
   // Each on a thread of its own.
   void read_camera();
@@ -96,35 +135,64 @@ class LivePipeline {
   void follow();
   void draw(std::promise<Result<void>>& can_draw);
 
-  void take(const Inflow& item);
-  void take_frame(const VideoFrame& frame);
+  // On the thread of `follow`.
+  void take(const GyroSample& sample);
+  void take(const AccelSample& sample);
+  void take(const VideoFrame& frame);
+  void take(const StabilizationSettings& settings);
+  void take(SourceLost);
+  void take(SourceEnd);
   void push_aligned_samples();
+  void coast_if_the_imu_is_silent(const FrameStamp& stamp);
+  void hand_on_all();
   void hand_on(const VirtualCamera& camera);
+
+  // On the thread of `draw`.
+  [[nodiscard]] Result<std::unique_ptr<Warper>> open_warper();
+  [[nodiscard]] Result<VideoFrame> draw_one(std::unique_ptr<Warper>& warper,
+                                            const Drawing& drawing);
+  void draw_no_signal();
+  void show(VideoFrame frame);
+
   void note_age(SensorTime stamp);
   void fail(const Error& error);
 
-  LiveSources sources_;
-  StabilizationSettings settings_;
-  std::size_t most_held_;
+  RevivedSource<CameraSource, VideoFrame> camera_;
+  RevivedSource<ImuSource, ImuReading> imu_;
+  const CameraCalibration calibration_;
+  SourceObserver* const observer_;
   std::vector<std::unique_ptr<Output>> outputs_;
 
   BoundedQueue<Inflow, WhenFull::wait> inflow_;
   BoundedQueue<Drawing, WhenFull::drop_oldest> drawings_;
 
   // Used by `follow` alone.
+  StabilizationSettings settings_;
   Stabilizer stabilizer_;
   ImuAligner aligner_;
   std::deque<VideoFrame> held_;  ///< for the orientations and for the path
+  std::optional<SensorTime> last_frame_;
+  std::optional<SensorTime> last_sample_;
   int sources_running_ = 2;
+
+  // Used by `draw` alone.
+  std::optional<SensorTime> last_shown_;
 
   std::atomic<std::uint64_t> frames_in_ = 0;
   std::atomic<std::uint64_t> frames_out_ = 0;
   std::atomic<std::uint64_t> dropped_without_orientation_ = 0;
+  std::atomic<std::uint64_t> dropped_out_of_order_ = 0;
+  std::atomic<std::uint64_t> no_signal_pictures_ = 0;
   std::atomic<std::uint64_t> samples_ = 0;
+  std::atomic<std::uint64_t> samples_off_clock_ = 0;
+  std::atomic<bool> is_camera_lost_ = false;
+  std::atomic<bool> is_coasting_ = false;
   std::atomic<bool> has_ended_ = false;
 
-  std::string renderer_;
   mutable std::mutex mutex_;
+  std::string renderer_;
+  std::string suspicion_;
+  std::optional<Eigen::Quaterniond> q_world_camera_;
   std::optional<Error> failure_;
   std::deque<SensorDuration> ages_;
 

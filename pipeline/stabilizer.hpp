@@ -75,6 +75,9 @@ class Stabilizer {
   /// For a camera that runs on: no mesh of this frame or an earlier one is wanted any more.
   void forget(const FrameStamp& stamp);
 
+  /// The same for all frames that are read out before `time`.
+  void forget_before(SensorTime time) { history_.forget_before(time); }
+
   /// The real camera at the reference line of the frame.
   [[nodiscard]] FramePose real_pose(const FrameStamp& stamp) const;
 
@@ -116,7 +119,7 @@ class Stabilizer {
   bool is_coasting_ = false;
   std::deque<FrameStamp> waiting_;  ///< for the history to reach them
   std::unique_ptr<CameraPath> path_;
-  std::deque<FramePose> on_path_;  ///< real poses whose steady ones are still to come
+  std::deque<FramePose> on_path_;    ///< real poses whose steady ones are still to come
   std::deque<FramePose> left_path_;  ///< the last real poses whose steady ones have come
   ViewLimiter limiter_;
 };

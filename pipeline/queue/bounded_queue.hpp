@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
@@ -49,11 +50,20 @@ class BoundedQueue {
   [[nodiscard]] std::optional<T> pop() {
     std::unique_lock lock(mutex_);
     has_changed_.wait(lock, [this] { return is_closed_ || !items_.empty(); });
-    if (items_.empty()) return std::nullopt;
-    std::optional<T> item(std::move(items_.front()));
-    items_.pop_front();
-    has_changed_.notify_all();
-    return item;
+    return take(lock);
+  }
+
+  /// Waits no longer than that for the next item.
+  [[nodiscard]] std::optional<T> pop_within(std::chrono::nanoseconds patience) {
+    std::unique_lock lock(mutex_);
+    has_changed_.wait_for(lock, patience, [this] { return is_closed_ || !items_.empty(); });
+    return take(lock);
+  }
+
+  /// Closed, and nothing is left.
+  [[nodiscard]] bool is_at_end() const {
+    const std::lock_guard lock(mutex_);
+    return is_closed_ && items_.empty();
   }
 
   /// Nothing more comes: what is held can still be taken.
@@ -74,6 +84,15 @@ class BoundedQueue {
   }
 
  private:
+  /// To be called with the lock held.
+  std::optional<T> take(const std::unique_lock<std::mutex>&) {
+    if (items_.empty()) return std::nullopt;
+    std::optional<T> item(std::move(items_.front()));
+    items_.pop_front();
+    has_changed_.notify_all();
+    return item;
+  }
+
   const std::size_t capacity_;
   mutable std::mutex mutex_;
   std::condition_variable has_changed_;

@@ -1,0 +1,131 @@
+#pragma once
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "daemon/journal.hpp"
+#include "pipeline/sample/result.hpp"
+
+namespace gimbal {
+
+/// Whether a source delivers, for people to read.
+struct SourceStatus {
+  std::string obstacle;  ///< why nothing comes; empty if all is well
+  std::uint64_t restarts = 0;
+  std::uint64_t lost = 0;  ///< taken by the device, never seen here
+};
+
+/// Nothing comes at present; the source is being brought back.
+struct SourceLost {};
+/// A recording is over, or the source was stopped.
+struct SourceEnd {};
+
+/// Reads a camera or an IMU, and starts it again when it fails, after pauses that grow. One thread
+/// starts and reads; `stop` and `status` may come from others.
+template <typename Source, typename Item>
+class RevivedSource {
+ public:
+  using Reading = std::variant<Item, SourceLost, SourceEnd>;
+
+  /// `name`: as the log calls it.
+  RevivedSource(std::string name, std::unique_ptr<Source> source)
+      : name_(std::move(name)), source_(std::move(source)) {}
+
+  /// Fails where the source does: what never ran is not waited for.
+  [[nodiscard]] Result<void> start() { return source_->start(); }
+
+  /// Waits for the next item, or for the source to come back.
+  [[nodiscard]] Reading read() {
+    if (is_lost_ && !bring_back()) return SourceEnd{};
+    auto item = source_->read();
+    if (!item) return lose(item.error());
+    if (!*item) return SourceEnd{};
+    note_item();
+    return **std::move(item);
+  }
+
+  void stop() {
+    {
+      const std::lock_guard lock(mutex_);
+      is_stopped_ = true;
+    }
+    stopped_.notify_all();
+    source_->stop();
+  }
+
+  [[nodiscard]] SourceStatus status() const {
+    const std::lock_guard lock(mutex_);
+    return status_;
+  }
+
+  [[nodiscard]] const Source& source() const { return *source_; }
+
+ private:
+  static constexpr std::chrono::milliseconds kFirstPause{250};
+  static constexpr std::chrono::milliseconds kLongestPause{8000};
+
+  Reading lose(const Error& error) {
+    const std::lock_guard lock(mutex_);
+    if (is_stopped_) return SourceEnd{};
+    is_lost_ = true;
+    pause_ = kFirstPause;
+    status_.obstacle = error.message;
+    lost_before_ += source_->lost();
+    log_line(LogLevel::error, fmt::format("{}: {}; trying to bring it back", name_, error.message));
+    return SourceLost{};
+  }
+
+  /// False if the source was stopped meanwhile.
+  bool bring_back() {
+    while (wait()) {
+      source_->stop();
+      const auto started = source_->start();
+      const std::lock_guard lock(mutex_);
+      if (started) {
+        is_lost_ = false;
+        ++status_.restarts;
+        return !is_stopped_;
+      }
+      status_.obstacle = started.error().message;
+    }
+    return false;
+  }
+
+  bool wait() {
+    std::unique_lock lock(mutex_);
+    stopped_.wait_for(lock, pause_, [this] { return is_stopped_; });
+    pause_ = std::min(2 * pause_, kLongestPause);
+    return !is_stopped_;
+  }
+
+  /// A source is well again once something comes, not when it claims to have started.
+  void note_item() {
+    const std::lock_guard lock(mutex_);
+    status_.lost = lost_before_ + source_->lost();
+    if (status_.obstacle.empty()) return;
+    status_.obstacle.clear();
+    log_line(LogLevel::info, name_ + ": it is back");
+  }
+
+  std::string name_;
+  std::unique_ptr<Source> source_;
+  bool is_lost_ = false;           // read and written by the reading thread alone
+  std::uint64_t lost_before_ = 0;  // of earlier starts
+  std::chrono::milliseconds pause_ = kFirstPause;
+
+  mutable std::mutex mutex_;
+  std::condition_variable stopped_;
+  bool is_stopped_ = false;
+  SourceStatus status_;
+};
+
+}  // namespace gimbal

@@ -1,0 +1,238 @@
+// The live pipeline with devices that come and go.
+
+#include "daemon/live_pipeline.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "drivers/replay/paced_replay.hpp"
+#include "tests/support/temporary_folder.hpp"
+
+namespace gimbal {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr ImageSize kSize{64, 48};
+constexpr double kFps = 50;
+constexpr std::uint8_t kLevel = 150;  // of what the camera takes
+constexpr std::uint8_t kGreyOfNoSignal = 64;
+
+enum class Plug : std::uint8_t { in, out, silent };
+
+/// A device that delivers at its rate while it is plugged in.
+class Device {
+ public:
+  void plug(Plug plug) { plug_ = plug; }
+  void stop() { is_stopped_ = true; }
+
+  Result<void> start() {
+    if (plug_ == Plug::out) return bad_input("not there");
+    is_stopped_ = false;
+    next_ = monotonic_now();
+    return {};
+  }
+
+  /// Waits for the next instant of a rate; none after `stop`.
+  Result<std::optional<SensorTime>> wait(SensorDuration period) {
+    next_ += period;
+    do {
+      std::this_thread::sleep_for(
+          std::max(next_ - monotonic_now(), SensorDuration(milliseconds(1))));
+      if (is_stopped_) return std::nullopt;
+      if (plug_ == Plug::out) return failed("unplugged");
+    } while (plug_ == Plug::silent);
+    return std::max(next_, monotonic_now() - period);
+  }
+
+ private:
+  std::atomic<Plug> plug_ = Plug::in;
+  std::atomic<bool> is_stopped_ = false;
+  SensorTime next_;
+};
+
+class FakeCamera final : public CameraSource {
+ public:
+  explicit FakeCamera(Device& device) : device_(device) {}
+  Result<void> start() override { return device_.start(); }
+  [[nodiscard]] CameraFormat format() const override { return {kSize, kFps, {}}; }
+  void stop() override { device_.stop(); }
+  Result<std::optional<VideoFrame>> read() override {
+    const auto time = device_.wait(duration_from_seconds(1 / kFps));
+    if (!time) return tl::unexpected(time.error());
+    if (!*time) return std::nullopt;
+    Nv12Buffer picture(kSize);
+    std::fill_n(picture.luma().data, picture.luma().stride_bytes * kSize.height, kLevel);
+    std::fill_n(picture.chroma().data, picture.chroma().stride_bytes * kSize.height / 2, 128);
+    return std::move(picture).publish(FrameStamp{index_++, **time, std::nullopt}, {});
+  }
+
+ private:
+  Device& device_;
+  std::int64_t index_ = 0;
+};
+
+class FakeImu final : public ImuSource {
+ public:
+  explicit FakeImu(Device& device) : device_(device) {}
+  Result<void> start() override { return device_.start(); }
+  void stop() override { device_.stop(); }
+  Result<std::optional<ImuReading>> read() override {
+    if (std::exchange(gives_accel_, !gives_accel_)) {
+      return AccelSample{time_, Eigen::Vector3d(0, -9.81, 0)};
+    }
+    const auto time = device_.wait(milliseconds(5));
+    if (!time) return tl::unexpected(time.error());
+    if (!*time) return std::nullopt;
+    time_ = **time;
+    return GyroSample{time_, Eigen::Vector3d(0, 0.1, 0)};
+  }
+
+ private:
+  Device& device_;
+  SensorTime time_;
+  bool gives_accel_ = false;
+};
+
+class LivePipelineTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    LiveSources sources;
+    sources.camera = std::make_unique<FakeCamera>(camera_);
+    sources.imu = std::make_unique<FakeImu>(imu_);
+    sources.camera_calibration.size = kSize;
+    sources.camera_calibration.fps = kFps;
+    sources.camera_calibration.lens.K << 60, 0, 31.5, 0, 60, 23.5, 0, 0, 1;
+    sources.camera_calibration.readout = milliseconds(10);
+    StabilizationSettings settings;
+    settings.latency = 3;
+    settings.warper = WarperKind::cpu;
+    settings.border = Border::extend;
+    auto started = LivePipeline::start(std::move(sources), settings, {file_});
+    ASSERT_TRUE(started) << started.error().message;
+    pipeline_ = std::move(*started);
+  }
+
+  /// Waits until it holds, seconds at most.
+  static bool comes_true(const std::function<bool()>& holds) {
+    for (int i = 0; i < 1000; ++i) {
+      if (holds()) return true;
+      std::this_thread::sleep_for(milliseconds(10));
+    }
+    return false;
+  }
+
+  [[nodiscard]] bool frames_come() const {
+    const std::uint64_t before = pipeline_->counts().frames_out;
+    return comes_true([&] { return pipeline_->counts().frames_out > before + 10; });
+  }
+
+  /// The level of the first pixel of each picture that was written.
+  [[nodiscard]] std::vector<std::uint8_t> written() const {
+    std::ifstream file(file_, std::ios::binary);
+    const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+    std::vector<std::uint8_t> levels;
+    const std::string header = "FRAME\n";
+    const auto size = static_cast<std::size_t>(kSize.width * kSize.height * 3 / 2);
+    std::size_t at = bytes.find(header);
+    while (at != std::string::npos && at + header.size() < bytes.size()) {
+      levels.push_back(static_cast<std::uint8_t>(bytes[at + header.size()]));
+      at = bytes.find(header, at + header.size() + size);
+    }
+    return levels;
+  }
+
+  void expect_that_frames_add_up() const {
+    const LiveCounts counts = pipeline_->counts();
+    EXPECT_EQ(counts.frames_in, counts.frames_out + counts.dropped_before_drawing +
+                                    counts.dropped_out_of_order +
+                                    counts.dropped_without_orientation);
+  }
+
+  test::TemporaryFolder folder_;
+  std::string file_ = (folder_.path() / "out.y4m").string();
+  Device camera_;
+  Device imu_;
+  std::unique_ptr<LivePipeline> pipeline_;
+};
+
+TEST_F(LivePipelineTest, EveryFrameIsOutOrCounted) {
+  ASSERT_TRUE(frames_come());
+  EXPECT_TRUE(pipeline_->status().q_world_camera);
+  pipeline_->stop();
+  expect_that_frames_add_up();
+  EXPECT_EQ(pipeline_->counts().no_signal_pictures, 0U);
+  EXPECT_EQ(written().size() + pipeline_->outputs()[0]->dropped(), pipeline_->counts().frames_out);
+}
+
+TEST_F(LivePipelineTest, WithoutACameraThePictureSaysSoUntilItIsBack) {
+  ASSERT_TRUE(frames_come());
+  camera_.plug(Plug::out);
+  ASSERT_TRUE(comes_true([&] { return pipeline_->counts().no_signal_pictures > 10; }));
+  EXPECT_EQ(pipeline_->counts().frames_in, pipeline_->counts().frames_out) << "some still wait";
+  EXPECT_NE(pipeline_->status().camera.obstacle, "");
+  camera_.plug(Plug::in);
+  ASSERT_TRUE(frames_come());
+  EXPECT_EQ(pipeline_->status().camera.obstacle, "");
+  EXPECT_EQ(pipeline_->status().camera.restarts, 1U);
+  pipeline_->stop();
+  expect_that_frames_add_up();
+  const std::vector<std::uint8_t> levels = written();
+  EXPECT_EQ(levels.front(), kLevel);
+  EXPECT_EQ(levels.back(), kLevel);
+  EXPECT_GT(std::count(levels.begin(), levels.end(), kGreyOfNoSignal), 5);
+}
+
+class LivePipelineWithoutAnImu : public LivePipelineTest,
+                                 public ::testing::WithParamInterface<Plug> {};
+
+INSTANTIATE_TEST_SUITE_P(Loss, LivePipelineWithoutAnImu,
+                         ::testing::Values(Plug::out, Plug::silent));
+
+TEST_P(LivePipelineWithoutAnImu, FramesPassUntilItIsBack) {
+  ASSERT_TRUE(frames_come());
+  EXPECT_FALSE(pipeline_->status().is_coasting);
+  imu_.plug(GetParam());
+  ASSERT_TRUE(comes_true([&] { return pipeline_->status().is_coasting; }));
+  ASSERT_TRUE(frames_come());
+  imu_.plug(Plug::in);
+  ASSERT_TRUE(comes_true([&] { return !pipeline_->status().is_coasting; }));
+  ASSERT_TRUE(frames_come());
+  pipeline_->stop();
+  expect_that_frames_add_up();
+  EXPECT_EQ(pipeline_->counts().dropped_without_orientation, 0U);
+}
+
+TEST_F(LivePipelineTest, OtherChoicesCostNoFrame) {
+  ASSERT_TRUE(frames_come());
+  StabilizationSettings other;
+  other.amount = 0.3;
+  other.latency = 6;
+  other.path = PathKind::hann;
+  pipeline_->apply(other);
+  ASSERT_TRUE(frames_come());
+  pipeline_->stop();
+  expect_that_frames_add_up();
+  EXPECT_EQ(pipeline_->counts().dropped_out_of_order, 0U);
+}
+
+TEST_F(LivePipelineTest, StopsWithinTwoSecondsWhateverIsMissing) {
+  camera_.plug(Plug::out);
+  imu_.plug(Plug::silent);
+  ASSERT_TRUE(comes_true([&] { return pipeline_->counts().no_signal_pictures > 0; }));
+  const auto begin = std::chrono::steady_clock::now();
+  pipeline_->stop();
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(2));
+}
+
+}  // namespace
+}  // namespace gimbal

@@ -1,0 +1,91 @@
+#include "daemon/revived_source.hpp"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <thread>
+#include <utility>
+
+namespace gimbal {
+namespace {
+
+/// Does what it is told, start by start and read by read.
+class ScriptedSource {
+ public:
+  struct Script {
+    std::deque<Result<void>> starts;
+    std::deque<Result<std::optional<int>>> reads;
+    int stops = 0;
+  };
+
+  explicit ScriptedSource(Script& script) : script_(script) {}
+
+  Result<void> start() {
+    if (script_.starts.empty()) return {};
+    return next(script_.starts);
+  }
+  Result<std::optional<int>> read() {
+    if (script_.reads.empty()) return std::optional<int>();
+    return next(script_.reads);
+  }
+  void stop() { ++script_.stops; }
+  [[nodiscard]] std::uint64_t lost() const { return 3; }
+
+ private:
+  template <typename T>
+  static T next(std::deque<T>& queue) {
+    T value = std::move(queue.front());
+    queue.pop_front();
+    return value;
+  }
+
+  Script& script_;
+};
+
+using Revived = RevivedSource<ScriptedSource, int>;
+
+class RevivedSourceTest : public ::testing::Test {
+ protected:
+  ScriptedSource::Script script_;
+  Revived source_{"camera", std::make_unique<ScriptedSource>(script_)};
+};
+
+TEST_F(RevivedSourceTest, HandsItemsOnUntilTheEnd) {
+  script_.reads = {std::optional(1), std::optional(2)};
+  EXPECT_EQ(std::get<int>(source_.read()), 1);
+  EXPECT_EQ(std::get<int>(source_.read()), 2);
+  EXPECT_TRUE(std::holds_alternative<SourceEnd>(source_.read()));
+  EXPECT_EQ(source_.status().restarts, 0U);
+}
+
+TEST_F(RevivedSourceTest, SaysWhatIsWrongAndStartsAgainUntilItWorks) {
+  script_.reads = {std::optional(1), failed("unplugged"), std::optional(2)};
+  script_.starts.push_back(failed("not there"));
+  EXPECT_EQ(std::get<int>(source_.read()), 1);
+  EXPECT_TRUE(std::holds_alternative<SourceLost>(source_.read()));
+  EXPECT_EQ(source_.status().obstacle, "unplugged");
+  EXPECT_EQ(std::get<int>(source_.read()), 2);
+  EXPECT_EQ(source_.status().obstacle, "");
+  EXPECT_EQ(source_.status().restarts, 1U);
+  EXPECT_EQ(source_.status().lost, 6U) << "of both starts";
+  EXPECT_EQ(script_.stops, 2) << "a source is stopped before each start";
+}
+
+TEST_F(RevivedSourceTest, StopEndsTheWaitForItsReturn) {
+  script_.reads.push_back(failed("unplugged"));
+  for (int i = 0; i < 100; ++i) script_.starts.push_back(failed("not there"));
+  EXPECT_TRUE(std::holds_alternative<SourceLost>(source_.read()));
+  std::thread stopper([this] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(400));
+    source_.stop();
+  });
+  EXPECT_TRUE(std::holds_alternative<SourceEnd>(source_.read()));
+  stopper.join();
+}
+
+}  // namespace
+}  // namespace gimbal
