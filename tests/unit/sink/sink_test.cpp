@@ -383,9 +383,17 @@ TEST_P(ColorTest, IsCarriedIntoMatroska) {
   const auto path = folder_.path() / "out.mkv";
   for (const auto siting : {ChromaSiting::left, ChromaSiting::center}) {
     ASSERT_TRUE(write_pictures(path, {kSize, 30, {GetParam().text, siting}}, irregular_stamps(3)));
-    const auto playback = play_file(path);
-    EXPECT_THAT(playback.caps, HasSubstr(fmt::format("colorimetry=(string){}", GetParam().text)));
-    EXPECT_THAT(playback.caps, HasSubstr(siting == ChromaSiting::left ? "mpeg2" : "jpeg"));
+    // Decoders of GStreamer 1.26 leave the siting out, the parser of 1.22 does.
+    const std::string coded = test::play("filesrc location=" + path.string() +
+                                         " ! matroskademux ! h264parse ! appsink name=out")
+                                  .caps;
+    const std::string decoded = play_file(path).caps;
+    const auto color = HasSubstr(fmt::format("colorimetry=(string){}", GetParam().text));
+    EXPECT_THAT(coded, color);
+    EXPECT_THAT(decoded, color);
+    const auto sited = HasSubstr(siting == ChromaSiting::left ? "chroma-site=(string)mpeg2"
+                                                              : "chroma-site=(string)jpeg");
+    EXPECT_THAT(coded + decoded, sited);
   }
 }
 

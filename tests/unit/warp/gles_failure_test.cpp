@@ -41,6 +41,7 @@ TEST_F(GlesFailureDeathTest, NoDriver) {
       {
         setenv("LIBGL_DRIVERS_PATH", "/nonexistent", 1);
         setenv("GBM_BACKENDS_PATH", "/nonexistent", 1);
+        setenv("GALLIUM_DRIVER", "none", 1);  // newer Mesa has no drivers in files of their own
         leave_with(make_gles_warper({64, 32}, {64, 32}));
       },
       testing::ExitedWithCode(1), "gles: no usable EGL .*surfaceless: eglInitialize: ");
