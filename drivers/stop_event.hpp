@@ -4,7 +4,9 @@
 #include <sys/eventfd.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdint>
+#include <ctime>
 
 namespace gimbal {
 
@@ -27,12 +29,14 @@ class StopEvent {
     [[maybe_unused]] const auto got = ::read(fd_, &count, sizeof count);  // fails only if not set
   }
 
-  [[nodiscard]] bool is_set() const { return wait_ms(0); }
+  [[nodiscard]] bool is_set() const { return wait_for({}); }
 
   /// Waits; true if it was set before the time was over.
-  [[nodiscard]] bool wait_ms(int milliseconds) const {
+  [[nodiscard]] bool wait_for(std::chrono::nanoseconds time) const {
+    const auto whole = std::chrono::duration_cast<std::chrono::seconds>(time);
+    const timespec timeout{.tv_sec = whole.count(), .tv_nsec = (time - whole).count()};
     pollfd waiting{.fd = fd_, .events = POLLIN, .revents = 0};
-    return poll(&waiting, 1, milliseconds) > 0;
+    return ppoll(&waiting, 1, &timeout, nullptr) > 0;
   }
 
   /// To be polled for POLLIN together with a device.
