@@ -89,6 +89,7 @@ class InputV1 final : public GpioInput {
                                 gpio_obstacle(gpio_chip_path(address_.chip), errno)));
     }
     std::vector<KernelEdge> edges;
+    edges.reserve(static_cast<std::size_t>(count));
     for (int i = 0; i < count; ++i)
       edges.push_back(to_edge(events.at(static_cast<std::size_t>(i))));
     return edges;

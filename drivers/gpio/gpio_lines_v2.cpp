@@ -97,6 +97,7 @@ class InputV2 final : public GpioInput {
         gpiod_line_request_read_edge_events(request_.get(), buffer_.get(), kEdgesHeld);
     if (count < 0) return line_error(address_);
     std::vector<KernelEdge> edges;
+    edges.reserve(static_cast<std::size_t>(count));
     for (int i = 0; i < count; ++i) {
       edges.push_back(
           to_edge(gpiod_edge_event_buffer_get_event(buffer_.get(), static_cast<unsigned long>(i))));

@@ -34,7 +34,7 @@ class IioStream {
 
  private:
   struct Sensor {
-    IioTriad triad;
+    IioTriad triad{};
     AxesScaling scaling;
   };
 
