@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 namespace gimbal {
 
@@ -13,10 +14,16 @@ bool ImuAligner::push(const GyroSample& sample) {
     ++refused_;
     return false;
   }
+  if (waits_for_the_next(sample, last_gyro_, gyro_far_ahead_)) return true;
+  if (gyro_far_ahead_) take(*std::exchange(gyro_far_ahead_, std::nullopt));
+  take(sample);
+  return true;
+}
+
+void ImuAligner::take(const GyroSample& sample) {
   last_gyro_ = sample.time;
   waiting_.push_back(sample);
   align();
-  return true;
 }
 
 bool ImuAligner::push(const AccelSample& sample) {
@@ -24,14 +31,37 @@ bool ImuAligner::push(const AccelSample& sample) {
     ++refused_;
     return false;
   }
+  if (waits_for_the_next(sample, last_accel_, accel_far_ahead_)) return true;
+  if (accel_far_ahead_) take(*std::exchange(accel_far_ahead_, std::nullopt));
+  take(sample);
+  return true;
+}
+
+void ImuAligner::take(const AccelSample& sample) {
   last_accel_ = sample.time;
   accel_.push_back(sample);
   align();
   forget_accel_before(sample.time - parameters_.patience);
-  return true;
+}
+
+template <typename Sample>
+bool ImuAligner::waits_for_the_next(const Sample& sample, std::optional<SensorTime> last,
+                                    std::optional<Sample>& far_ahead) {
+  const SensorDuration near = parameters_.patience;
+  if (!last) return false;
+  if (far_ahead && sample.time > far_ahead->time && sample.time - far_ahead->time <= near) {
+    return false;
+  }
+  if (far_ahead) ++refused_;
+  far_ahead.reset();
+  if (sample.time - *last > near) far_ahead = sample;
+  return far_ahead.has_value();
 }
 
 void ImuAligner::finish() {
+  refused_ += (gyro_far_ahead_ ? 1U : 0U) + (accel_far_ahead_ ? 1U : 0U);
+  gyro_far_ahead_.reset();
+  accel_far_ahead_.reset();
   finished_ = true;
   align();
 }

@@ -33,7 +33,9 @@ class ImuAligner {
   explicit ImuAligner(Accelerometer accelerometer, const ImuAlignerParameters& parameters = {});
 
   /// False for a sample that is refused: its stamp is not later than the last one's of its kind, or
-  /// its values are not finite.
+  /// its values are not finite. A stamp that is further ahead than the patience waits for the next
+  /// one to bear it out, and is refused then if that does not: alone, it would make all that
+  /// follow too late.
   bool push(const GyroSample& sample);
   bool push(const AccelSample& sample);
 
@@ -46,6 +48,11 @@ class ImuAligner {
   [[nodiscard]] std::size_t refused() const { return refused_; }
 
  private:
+  void take(const GyroSample& sample);
+  void take(const AccelSample& sample);
+  template <typename Sample>
+  [[nodiscard]] bool waits_for_the_next(const Sample& sample, std::optional<SensorTime> last,
+                                        std::optional<Sample>& far_ahead);
   void align();
   [[nodiscard]] bool must_wait(const GyroSample& sample) const;
   [[nodiscard]] std::optional<Eigen::Vector3d> accel_at(SensorTime time) const;
@@ -58,6 +65,8 @@ class ImuAligner {
   std::deque<ImuSample> ready_;
   std::optional<SensorTime> last_gyro_;
   std::optional<SensorTime> last_accel_;
+  std::optional<GyroSample> gyro_far_ahead_;  ///< that nothing bears out yet
+  std::optional<AccelSample> accel_far_ahead_;
   std::size_t refused_ = 0;
   bool finished_ = false;
 };

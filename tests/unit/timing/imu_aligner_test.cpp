@@ -181,5 +181,38 @@ TEST(ImuAligner, RefusesWhatIsNotLaterOrNotFinite) {
   EXPECT_EQ(take(aligner).size(), 1U);
 }
 
+TEST(ImuAligner, OneStampFarAheadCostsNothingThatFollows) {
+  const auto align = [](bool with_wrong_stamps) {
+    ImuAligner aligner(Accelerometer::present);
+    std::vector<ImuSample> samples;
+    for (int ms = 0; ms <= 1000; ms += 10) {
+      if (with_wrong_stamps && ms == 500) {
+        aligner.push(gyro(at_ms(3'600'000)));
+        aligner.push(accel(at_ms(7'200'000)));
+      }
+      EXPECT_TRUE(aligner.push(gyro(at_ms(ms))));
+      EXPECT_TRUE(aligner.push(accel(at_ms(ms))));
+    }
+    EXPECT_EQ(aligner.refused(), with_wrong_stamps ? 2U : 0U);
+    for (const ImuSample& sample : take(aligner)) samples.push_back(sample);
+    return samples;
+  };
+  const auto plain = align(false);
+  const auto with_wrong_stamps = align(true);
+  ASSERT_EQ(with_wrong_stamps.size(), plain.size());
+  for (std::size_t i = 0; i < plain.size(); ++i) {
+    EXPECT_EQ(with_wrong_stamps[i].time, plain[i].time);
+    EXPECT_EQ(with_wrong_stamps[i].accel_m_s2, plain[i].accel_m_s2);
+  }
+}
+
+TEST(ImuAligner, AStampFarAheadIsTakenOnceTheNextBearsItOut) {
+  ImuAligner aligner(Accelerometer::absent);
+  for (const int ms : {0, 10, 5000, 5010, 9000}) EXPECT_TRUE(aligner.push(gyro(at_ms(ms))));
+  aligner.finish();
+  EXPECT_EQ(take(aligner).size(), 4U);  // nothing came after the last one
+  EXPECT_EQ(aligner.refused(), 1U);
+}
+
 }  // namespace
 }  // namespace gimbal
