@@ -61,22 +61,24 @@ void Stabilizer::push(const FrameStamp& stamp) {
 }
 
 void Stabilizer::take_attitudes() {
-  while (const auto attitude = attitudes_->pop()) {
+  while (const auto estimate = attitudes_->pop()) {
     if (is_coasting_) {
-      const Attitude& held = history_.attitudes().back();
-      if (attitude->time <= held.time) continue;
-      join_.join(held.q_world_imu, *attitude);
+      if (estimate->attitude.time <= history_.newest().attitude.time) continue;
+      join_.join(history_.newest().attitude.q_world_imu, estimate->attitude);
       is_coasting_ = false;
     }
-    history_.append(join_.turned(*attitude));
+    history_.append(join_.turned(*estimate));
   }
   place_waiting_stamps();
 }
 
 void Stabilizer::coast_to(SensorTime time) {
   is_coasting_ = true;
-  history_.append({time, history_.empty() ? Eigen::Quaterniond::Identity()
-                                          : history_.attitudes().back().q_world_imu});
+  AttitudeEstimate held{{time, Eigen::Quaterniond::Identity()},
+                        kUnknownAngle_rad2 * Eigen::Matrix3d::Identity(),
+                        AttitudeOrigin::predicted};
+  if (!history_.empty()) held.attitude.q_world_imu = history_.newest().attitude.q_world_imu;
+  history_.append(held);
   place_waiting_stamps();
 }
 
@@ -111,7 +113,7 @@ void Stabilizer::release_waiting() {
 
 void Stabilizer::place_waiting_stamps() {
   while (!waiting_.empty() && !history_.empty() &&
-         history_.attitudes().back().time >= readout_end(waiting_.front())) {
+         history_.newest().attitude.time >= readout_end(waiting_.front())) {
     place_next();
   }
 }
@@ -126,8 +128,7 @@ void Stabilizer::place_next() {
 
 void Stabilizer::follow_path() {
   while (const auto steady = path_->pop()) {
-    const bool has_come =
-        !left_path_.empty() && steady->stamp.time <= left_path_.back().stamp.time;
+    const bool has_come = !left_path_.empty() && steady->stamp.time <= left_path_.back().stamp.time;
     if (has_come) continue;  // from the path that this one replaced
     WantedView view{on_path_.front(), steady->q_world_camera, required_zoom_of(steady->stamp)};
     limiter_.push(std::move(view));
@@ -164,6 +165,10 @@ AttitudeOrigin Stabilizer::origin_of(const FrameStamp& stamp) const {
     return history_.at(timing_.time_of_line(stamp, line)).origin;
   };
   return std::max(origin_at(0), origin_at(timing_.line_count()));
+}
+
+Eigen::Matrix3d Stabilizer::covariance_of(const FrameStamp& stamp) const {
+  return history_.at(timing_.time_of_line(stamp, reference_line_)).covariance_rad2;
 }
 
 Eigen::Quaterniond Stabilizer::q_world_camera(SensorTime time) const {

@@ -85,6 +85,9 @@ class Stabilizer {
   /// last.
   [[nodiscard]] AttitudeOrigin origin_of(const FrameStamp& stamp) const;
 
+  /// rad², of the real pose's error as a rotation vector in world axes.
+  [[nodiscard]] Eigen::Matrix3d covariance_of(const FrameStamp& stamp) const;
+
   /// See AttitudeStream.
   [[nodiscard]] std::string_view suspicion() const { return attitudes_->suspicion(); }
 

@@ -40,11 +40,10 @@ Result<Lookahead> lookahead_of(const Arguments& arguments) {
 }
 
 void write_ready(AttitudeStream& attitudes, std::ostream& stream) {
-  while (const auto attitude = attitudes.pop()) {
-    const Eigen::Quaterniond& q = attitude->q_world_imu;
+  while (const auto estimate = attitudes.pop()) {
+    const auto& [time, q] = estimate->attitude;
     stream << fmt::format("{},{:.9f},{:.9f},{:.9f},{:.9f}\n",
-                          format_seconds(attitude->time.time_since_epoch()), q.w(), q.x(), q.y(),
-                          q.z());
+                          format_seconds(time.time_since_epoch()), q.w(), q.x(), q.y(), q.z());
   }
 }
 

@@ -19,9 +19,6 @@ constexpr double kLargestAccel_m_s2 = 1e4;
 // In free fall the specific force has no direction to start from.
 constexpr double kSmallestAccelForTilt_m_s2 = 0.1 * kGravity_m_s2;
 
-// Nothing at all is known of an angle that is spread evenly over a full turn.
-constexpr double kUnknownAngle_rad2 = std::numbers::pi * std::numbers::pi / 3;
-
 constexpr double square(double x) {
   return x * x;
 }
@@ -47,6 +44,14 @@ std::optional<Eigen::Vector3d> mean_accel(const AttitudeEkfState::LastSample& la
   return 0.5 * (*last.accel_m_s2 + *sample.accel_m_s2);
 }
 
+/// What is known of the bias at the start.
+GyroBias start_bias(const AttitudeEkfParameters& p) {
+  if (!p.remembered_bias) return p.gyro_bias;
+  const Eigen::Array3d variance =
+      p.remembered_bias->sigma_rad_s.array().square() + square(p.bias_change_between_runs_rad_s);
+  return {p.remembered_bias->bias_rad_s, variance.sqrt().min(p.gyro_bias.sigma_rad_s.array())};
+}
+
 void set_variance(ErrorCovariance& P, int index, const Eigen::Vector3d& variance) {
   P.middleRows<3>(index).setZero();
   P.middleCols<3>(index).setZero();
@@ -62,9 +67,10 @@ AttitudeEkf::AttitudeEkf(const AttitudeEkfParameters& parameters) : parameters_(
   state_.rate_walk_rad2_s3 = square(p.start_rate_walk_rad_s_rts);
   state_.accel_mean_square_m2_s4 = 1;
   state_.rate_variance_rad2_s2 = 1;
-  state_.filter.mean().gyro_bias_rad_s = p.gyro_bias.bias_rad_s;
+  const GyroBias bias = start_bias(p);
+  state_.filter.mean().gyro_bias_rad_s = bias.bias_rad_s;
   ErrorCovariance& P = state_.filter.covariance();
-  set_variance(P, Index::gyro_bias, p.gyro_bias.sigma_rad_s.cwiseAbs2());
+  set_variance(P, Index::gyro_bias, bias.sigma_rad_s.cwiseAbs2());
   set_variance(P, Index::velocity, Eigen::Vector3d::Constant(square(p.start_velocity_sigma_m_s)));
   set_variance(P, Index::accel_bias, Eigen::Vector3d::Constant(square(p.accel_bias_sigma_m_s2)));
   set_variance(P, Index::gyro_scale, Eigen::Vector3d::Constant(square(p.gyro_scale_sigma)));
@@ -246,6 +252,7 @@ void AttitudeEkf::restart_tilt(const ImuSample& sample) {
   const double tilt =
       state_.tilt_is_known ? square(parameters_.start_tilt_sigma_rad) : kUnknownAngle_rad2;
   set_variance(P, Index::attitude, {tilt, tilt, kUnknownAngle_rad2});
+  state_.heading_held_back_variance_rad2 = 0;
   const double interval_s = to_seconds(sample.time - state_.last->time);
   P.diagonal().segment<3>(Index::gyro_bias).array() +=
       square(parameters_.gyro_bias_walk_rad_s_rts) * interval_s;
@@ -334,11 +341,15 @@ void AttitudeEkf::measure(int index, double residual, double noise_variance) {
   ScalarUpdate& update = step.updates[step.update_count++];
   update = state_.filter.measure(index, residual, noise_variance);
   step.attitude_correction += residual * update.gain.segment<3>(Index::attitude);
+  // Residuals are independent of each other and of the error that is left: variances add up.
+  const double heading_gain = update.gain(Index::attitude + 2);
+  state_.heading_held_back_variance_rad2 += heading_gain * heading_gain * update.variance;
 }
 
 AttitudeEstimate AttitudeEkf::predict(SensorTime time) const {
   AttitudeEstimate estimate{
       {time, shown_attitude()}, state_.filter.attitude_covariance(), AttitudeOrigin::predicted};
+  estimate.covariance_rad2(2, 2) += state_.heading_held_back_variance_rad2;
   if (!state_.last || time < state_.last->time) return estimate;
   const double ahead_s = to_seconds(time - state_.last->time);
   if (ahead_s == 0) {

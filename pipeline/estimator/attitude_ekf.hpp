@@ -25,6 +25,10 @@ struct GyroBias {
 struct AttitudeEkfParameters {
   // What sensors do, by their data sheets.
   GyroBias gyro_bias;
+  /// From the run before (AttitudeEkf::gyro_bias). Better than knowing nothing, but a sensor that
+  /// has cooled or warmed since has another bias than it had.
+  std::optional<GyroBias> remembered_bias;
+  double bias_change_between_runs_rad_s = 0.6 * std::numbers::pi / 180;  ///< sigma
   double gyro_noise_rad_s_rthz = 0.0011;
   double gyro_bias_walk_rad_s_rts = 0.0003;
   double gyro_scale_sigma = 0.005;
@@ -87,13 +91,6 @@ struct AttitudeEkfCounts {
   std::size_t lost_samples = 0;  ///< with an axis clipped or stuck
 };
 
-/// An orientation with its uncertainty.
-struct AttitudeEstimate {
-  Attitude attitude;
-  Eigen::Matrix3d covariance_rad2;  ///< of the error as a rotation vector in world axes
-  AttitudeOrigin origin = AttitudeOrigin::exact;
-};
-
 /// Everything that the filter knows. A value: saved and restored by copying, to the bit.
 struct AttitudeEkfState {
   struct LastSample {
@@ -105,7 +102,8 @@ struct AttitudeEkfState {
   std::optional<SensorTime> leap;  ///< a stamp far ahead that nothing bears out yet
   bool tilt_is_known = false;
   ErrorStateFilter filter;
-  double heading_held_back_rad = 0;  ///< of the filter's corrections, see AttitudeEkf
+  double heading_held_back_rad = 0;            ///< of the filter's corrections, see AttitudeEkf ...
+  double heading_held_back_variance_rad2 = 0;  ///< ... and what they could be expected to be
   double usual_interval_s = 0;
   Eigen::Vector3d step_rate_rad_s = Eigen::Vector3d::Zero();  ///< at the end of the last step
   double rate_walk_rad2_s3 = 0;  ///< how fast the rate changes: mean of |change|²/interval of steps
@@ -131,7 +129,8 @@ struct AttitudeEkfState {
 /// says how well; over a step of 20 ms, vibration of motors cancels.
 ///
 /// Heading is never observed. What a better bias says about past heading is kept in the filter but
-/// not shown: the answers' heading has no steps, only the rate's integral.
+/// not shown: the answers' heading has no steps, only the rate's integral. Their covariance counts
+/// what was held back.
 ///
 /// A sample is the rate at its stamp's instant, and between samples, over a gap too, the rate goes
 /// straight from one to the next. Neither allocates nor throws.
@@ -146,7 +145,7 @@ class AttitudeEkf final : public Estimator {
   /// and for instants before the last one, the last orientation, `predicted`.
   [[nodiscard]] AttitudeEstimate predict(SensorTime time) const;
 
-  /// To be kept for the next run.
+  /// To be kept for the next run, as AttitudeEkfParameters::remembered_bias.
   [[nodiscard]] GyroBias gyro_bias() const;
 
   [[nodiscard]] Plausibility plausibility() const { return state_.plausibility.verdict(); }

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <numbers>
 
 #include "pipeline/sample/sensor_time.hpp"
 
@@ -20,5 +22,17 @@ enum class AttitudeOrigin : std::uint8_t {
   interpolated,  ///< between two estimates
   predicted,     ///< before the first or after the last estimate, or inside a gap
 };
+
+/// An orientation with its uncertainty.
+struct AttitudeEstimate {
+  Attitude attitude;
+  /// Of the error as a rotation vector in world axes, q_true = exp(error) q. Heading counts from
+  /// the first sample's, which is the world's by definition.
+  Eigen::Matrix3d covariance_rad2 = Eigen::Matrix3d::Zero();
+  AttitudeOrigin origin = AttitudeOrigin::exact;
+};
+
+/// Nothing at all is known of an angle that is spread evenly over a full turn.
+inline constexpr double kUnknownAngle_rad2 = std::numbers::pi * std::numbers::pi / 3;
 
 }  // namespace gimbal

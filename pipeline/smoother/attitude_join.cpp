@@ -32,4 +32,13 @@ Attitude AttitudeJoin::turned(const Attitude& attitude) {
   return {attitude.time, (tilt_ * heading_ * attitude.q_world_imu).normalized()};
 }
 
+AttitudeEstimate AttitudeJoin::turned(const AttitudeEstimate& estimate) {
+  AttitudeEstimate shown{turned(estimate.attitude), estimate.covariance_rad2, estimate.origin};
+  const Eigen::Matrix3d R = (tilt_ * heading_).toRotationMatrix();
+  const Eigen::Vector3d tilt_error = tilt_.angle() * tilt_.axis();
+  shown.covariance_rad2 = R * estimate.covariance_rad2 * R.transpose();
+  shown.covariance_rad2 += tilt_error * tilt_error.transpose();
+  return shown;
+}
+
 }  // namespace gimbal

@@ -17,6 +17,9 @@ class AttitudeJoin {
   /// `attitude` in the turned world. Stamps rise.
   [[nodiscard]] Attitude turned(const Attitude& attitude);
 
+  /// The same with its covariance, to which the tilt that has not faded yet adds.
+  [[nodiscard]] AttitudeEstimate turned(const AttitudeEstimate& estimate);
+
  private:
   Eigen::Quaterniond heading_ = Eigen::Quaterniond::Identity();
   Eigen::AngleAxisd tilt_ = Eigen::AngleAxisd::Identity();  ///< about a horizontal axis, after it

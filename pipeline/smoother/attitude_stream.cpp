@@ -8,32 +8,54 @@
 namespace gimbal {
 namespace {
 
-template <typename Filter>
-class CausalStream final : public AttitudeStream {
- public:
-  explicit CausalStream(std::unique_ptr<Filter> filter) : filter_(std::move(filter)) {}
+std::optional<AttitudeEstimate> take_first(std::deque<AttitudeEstimate>& ready) {
+  if (ready.empty()) return std::nullopt;
+  const AttitudeEstimate first = ready.front();
+  ready.pop_front();
+  return first;
+}
 
-  void push(const ImuSample& sample) override { ready_.push_back(filter_->update(sample)); }
+class PlainStream final : public AttitudeStream {
+ public:
+  explicit PlainStream(std::unique_ptr<Estimator> estimator) : estimator_(std::move(estimator)) {}
+
+  void push(const ImuSample& sample) override {
+    ready_.push_back({estimator_->update(sample), kUnknownAngle_rad2 * Eigen::Matrix3d::Identity(),
+                      AttitudeOrigin::exact});
+  }
 
   void finish() override {}
 
-  std::optional<Attitude> pop() override {
-    if (ready_.empty()) return std::nullopt;
-    const Attitude attitude = ready_.front();
-    ready_.pop_front();
-    return attitude;
+  std::optional<AttitudeEstimate> pop() override { return take_first(ready_); }
+
+  [[nodiscard]] std::string_view suspicion() const override { return {}; }
+
+ private:
+  std::unique_ptr<Estimator> estimator_;
+  std::deque<AttitudeEstimate> ready_;
+};
+
+class CausalStream final : public AttitudeStream {
+ public:
+  explicit CausalStream(const AttitudeEkfParameters& parameters) : filter_(parameters) {}
+
+  void push(const ImuSample& sample) override {
+    const std::size_t skipped = filter_.counts().skipped_gyro;
+    filter_.update(sample);
+    if (filter_.counts().skipped_gyro == skipped) ready_.push_back(filter_.predict(sample.time));
   }
 
+  void finish() override {}
+
+  std::optional<AttitudeEstimate> pop() override { return take_first(ready_); }
+
   [[nodiscard]] std::string_view suspicion() const override {
-    if constexpr (requires { filter_->plausibility(); }) {
-      return describe(filter_->plausibility());
-    }
-    return {};
+    return describe(filter_.plausibility());
   }
 
  private:
-  std::unique_ptr<Filter> filter_;
-  std::deque<Attitude> ready_;
+  AttitudeEkf filter_;
+  std::deque<AttitudeEstimate> ready_;
 };
 
 class SmoothedStream final : public AttitudeStream {
@@ -43,11 +65,7 @@ class SmoothedStream final : public AttitudeStream {
   void push(const ImuSample& sample) override { smoother_.push(sample); }
   void finish() override { smoother_.finish(); }
 
-  std::optional<Attitude> pop() override {
-    const auto estimate = smoother_.pop();
-    if (!estimate) return std::nullopt;
-    return estimate->attitude;
-  }
+  std::optional<AttitudeEstimate> pop() override { return smoother_.pop(); }
 
   [[nodiscard]] std::string_view suspicion() const override {
     return describe(smoother_.filter().plausibility());
@@ -60,11 +78,11 @@ class SmoothedStream final : public AttitudeStream {
 }  // namespace
 
 std::unique_ptr<AttitudeStream> make_causal_stream(std::unique_ptr<Estimator> estimator) {
-  return std::make_unique<CausalStream<Estimator>>(std::move(estimator));
+  return std::make_unique<PlainStream>(std::move(estimator));
 }
 
 std::unique_ptr<AttitudeStream> make_causal_stream(const AttitudeEkfParameters& parameters) {
-  return std::make_unique<CausalStream<AttitudeEkf>>(std::make_unique<AttitudeEkf>(parameters));
+  return std::make_unique<CausalStream>(parameters);
 }
 
 std::unique_ptr<AttitudeStream> make_smoothed_stream(const FixedLagSmootherParameters& parameters) {

@@ -25,13 +25,15 @@ class AttitudeStream {
   /// No more samples come: what is held is released by `pop`.
   virtual void finish() = 0;
 
-  [[nodiscard]] virtual std::optional<Attitude> pop() = 0;
+  /// Samples that the estimator skipped have no answer.
+  [[nodiscard]] virtual std::optional<AttitudeEstimate> pop() = 0;
 
   /// One line for a person about samples that cannot be what they claim; empty if nothing is odd.
   [[nodiscard]] virtual std::string_view suspicion() const = 0;
 };
 
-/// Each sample's answer at once, from the past alone.
+/// Each sample's answer at once, from the past alone, by an estimator that says nothing of its
+/// error: the covariance is that of an orientation that nobody knows.
 [[nodiscard]] std::unique_ptr<AttitudeStream> make_causal_stream(
     std::unique_ptr<Estimator> estimator);
 

@@ -140,29 +140,47 @@ void FixedLagSmoother::release_ready() {
       parameters_.block;
   if (!block_is_full) return;
   if (covariance_is_due(steps_[last])) {
+    const Eigen::Matrix3d known = steps_.front().covariance;
     look_back_with_covariance();
+    if (covariance_time_) learn_offset_covariance(known);
     covariance_time_ = steps_[last].step.time;
     filter_trace_rad2_ = filter_trace(steps_[last].step);
+    released_covariance_rad2_ = shown_covariance(steps_[last]);
   } else {
     look_back();
-    for (std::size_t i = 1; i <= last; ++i) steps_[i].covariance = steps_.front().covariance;
   }
   release_until(last);
 }
 
 bool FixedLagSmoother::covariance_is_due(const HeldStep& step) const {
   constexpr double kMuchMore = 1.2;
-  return !covariance_time_ || step.step.time - *covariance_time_ >= parameters_.covariance_period ||
+  const SensorDuration period = std::min(parameters_.covariance_period, *parameters_.lag / 2);
+  return !covariance_time_ || step.step.time - *covariance_time_ >= period ||
          filter_trace(step.step) > kMuchMore * filter_trace_rad2_;
+}
+
+void FixedLagSmoother::learn_offset_covariance(const Eigen::Matrix3d& known) {
+  const HeldStep& first = steps_.front();
+  const double interval_s = to_seconds(first.step.time - *covariance_time_);
+  const double kept = std::exp(-interval_s / parameters_.seam_memory_s);
+  const Eigen::DiagonalMatrix<double, 3> fade(kept, kept, 1);
+  offset_covariance_rad2_ = fade * (offset_covariance_rad2_ + known - first.covariance) * fade;
+}
+
+Eigen::Matrix3d FixedLagSmoother::shown_covariance(const HeldStep& step) const {
+  return step.covariance + offset_covariance_rad2_;
 }
 
 void FixedLagSmoother::finish() {
   if (steps_.empty()) return;
+  const Eigen::Matrix3d known = steps_.front().covariance;
   look_back_with_covariance();
+  if (covariance_time_) learn_offset_covariance(known);
+  covariance_time_.reset();
   release_until(steps_.size() - 1);
   // After the last step the filter has measured nothing.
   while (!samples_.empty()) {
-    release_sample(steps_.front(), steps_.front().correction + offset_rad_);
+    release_sample(steps_.front().correction + offset_rad_, shown_covariance(steps_.front()));
   }
 }
 
@@ -198,7 +216,7 @@ void FixedLagSmoother::release_until(std::size_t last) {
   if (first_step_is_released_) {
     offset_rad_ = released_correction_rad_ - steps_.front().correction;
   } else {
-    release_sample(steps_.front(), steps_.front().correction);
+    release_sample(steps_.front().correction, shown_covariance(steps_.front()));
     first_step_is_released_ = true;
   }
   for (; last > 0; --last) {
@@ -217,17 +235,20 @@ void FixedLagSmoother::release_step(const HeldStep& before, const HeldStep& step
       offset_rad_ + (step.step.transition.is_continuous
                          ? correction_before_updates(step.correction, step.step)
                          : before.correction);
+  const Eigen::Matrix3d covariance =
+      covariance_time_ ? released_covariance_rad2_ : shown_covariance(step);
   for (std::size_t i = 1; i < step.sample_count; ++i) {
     const double fraction = to_seconds(samples_.front().time - before.step.time) / length_s;
-    release_sample(step, at_start + fraction * (at_end - at_start));
+    release_sample(at_start + fraction * (at_end - at_start), covariance);
   }
-  release_sample(step, step.correction + offset_rad_);
+  release_sample(step.correction + offset_rad_, covariance);
 }
 
-void FixedLagSmoother::release_sample(const HeldStep& step, const Eigen::Vector3d& correction) {
+void FixedLagSmoother::release_sample(const Eigen::Vector3d& correction,
+                                      const Eigen::Matrix3d& covariance) {
   const HeldSample& sample = samples_.front();
   const Eigen::Quaterniond q = rotation_by(correction) * sample.q_world_imu;
-  ready_.push_back({{sample.time, q.normalized()}, step.covariance, AttitudeOrigin::exact});
+  ready_.push_back({{sample.time, q.normalized()}, covariance, AttitudeOrigin::exact});
   samples_.pop_front();
 }
 

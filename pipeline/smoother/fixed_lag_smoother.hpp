@@ -22,8 +22,8 @@ struct FixedLagSmootherParameters {
   /// A later look at the same instant changes its tilt. What was released does not change any more;
   /// what follows comes over to the new tilt within this time, with no step.
   double seam_memory_s = 0.7;
-  /// How often the covariance of a fixed lag is worked out anew; meanwhile it is held, unless the
-  /// filter's own grows.
+  /// How often the covariance of a fixed lag is worked out anew, at least twice within the lag;
+  /// meanwhile it is held, unless the filter's own grows.
   SensorDuration covariance_period = std::chrono::milliseconds(500);
 };
 
@@ -35,7 +35,10 @@ struct FixedLagSmootherParameters {
 /// Answers come at the gyro's stamps. Between the filter's steps the correction is interpolated, so
 /// that there are no seams. With a fixed lag every look back knows better what was released: what
 /// follows keeps that heading for good, and comes over to the better tilt slowly. Memory: about 2
-/// kB a filter step within the lag.
+/// kB a filter step within the lag. The covariance counts what was known too late to be shown.
+///
+/// Every answer is `exact`: for a sample's very instant, by all samples before it and what the lag
+/// allows after it.
 class FixedLagSmoother {
  public:
   explicit FixedLagSmoother(const FixedLagSmootherParameters& parameters = {});
@@ -71,10 +74,14 @@ class FixedLagSmoother {
   /// Releases the samples of the steps up to and including `last`, after a look back.
   void release_until(std::size_t last);
   void release_step(const HeldStep& before, const HeldStep& step);
-  void release_sample(const HeldStep& step, const Eigen::Vector3d& correction);
+  void release_sample(const Eigen::Vector3d& correction, const Eigen::Matrix3d& covariance);
   void look_back();
   void look_back_with_covariance();
   [[nodiscard]] bool covariance_is_due(const HeldStep& step) const;
+  /// Adds what the looks back since the last covariance have changed about the first step, as
+  /// `known` has it, and lets what the seams have taken in go.
+  void learn_offset_covariance(const Eigen::Matrix3d& known);
+  [[nodiscard]] Eigen::Matrix3d shown_covariance(const HeldStep& step) const;
 
   FixedLagSmootherParameters parameters_;
   AttitudeEkf filter_;
@@ -86,7 +93,10 @@ class FixedLagSmoother {
   Eigen::Vector3d offset_rad_ =
       Eigen::Vector3d::Zero();  ///< from the latest look back to what is released
   Eigen::Vector3d released_correction_rad_ =
-      Eigen::Vector3d::Zero();                 ///< at the first step, as released
+      Eigen::Vector3d::Zero();  ///< at the first step, as released
+  /// What `offset_rad_` can be expected to be.
+  Eigen::Matrix3d offset_covariance_rad2_ = Eigen::Matrix3d::Zero();
+  Eigen::Matrix3d released_covariance_rad2_ = Eigen::Matrix3d::Zero();  ///< while it is held
   std::optional<SensorTime> covariance_time_;  ///< when it was last worked out ...
   double filter_trace_rad2_ = 0;               ///< ... and the filter's own at that step
   std::deque<AttitudeEstimate> ready_;

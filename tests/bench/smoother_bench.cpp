@@ -18,7 +18,7 @@ AttitudeHistory even_turn() {
   AttitudeHistory history(20ms);
   for (int i = 0; i < 2000; ++i) {
     const Eigen::AngleAxisd turn(1e-3 * i, Eigen::Vector3d::UnitY());
-    history.append({SensorTime(i * 5ms), Eigen::Quaterniond(turn)});
+    history.append({{SensorTime(i * 5ms), Eigen::Quaterniond(turn)}});
   }
   return history;
 }

@@ -74,7 +74,7 @@ AttitudeHistory read_orientation(const std::filesystem::path& file) {
   AttitudeHistory history(std::chrono::milliseconds(100));
   for_each_row(file, {"t_s", "qw", "qx", "qy", "qz"}, [&](const CsvReader& csv, const CsvRow& row) {
     const auto time = value_or_exit(csv.time(row, 0, TimeUnit::seconds));
-    if (time) history.append({SensorTime(*time), quaternion_at(csv, row, 1)});
+    if (time) history.append({{SensorTime(*time), quaternion_at(csv, row, 1)}});
   });
   return history;
 }

@@ -125,7 +125,7 @@ AttitudeHistory orientations(const Session& session) {
   AttitudeHistory history(std::chrono::milliseconds(100));
   ThesisEkf estimator;
   for (const GyroSample& sample : session.gyro) {
-    history.append(estimator.update({sample.time, sample.gyro_rad_s, std::nullopt}));
+    history.append({estimator.update({sample.time, sample.gyro_rad_s, std::nullopt})});
   }
   return history;
 }
