@@ -44,7 +44,7 @@ class FifoClock {
   };
   /// The tightest bounds of a short time.
   struct Bucket {
-    double begin_s;
+    double begin_s = 0;
     std::optional<Bound> upper;
     std::optional<Bound> lower;
   };
