@@ -10,9 +10,9 @@
 namespace gimbal {
 
 struct AttitudeAnswer {
-  Eigen::Quaterniond q_world_imu;
-  Eigen::Matrix3d covariance_rad2;  ///< as AttitudeEstimate has it
-  AttitudeOrigin origin;
+  Eigen::Quaterniond q_world_imu = Eigen::Quaterniond::Identity();
+  Eigen::Matrix3d covariance_rad2 = Eigen::Matrix3d::Zero();  ///< as AttitudeEstimate has it
+  AttitudeOrigin origin = AttitudeOrigin::predicted;
 };
 
 /// Orientations in order of time, asked for at any instant.
