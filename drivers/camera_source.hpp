@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "pipeline/sample/calibration.hpp"
 #include "pipeline/sample/result.hpp"
@@ -16,6 +18,7 @@ struct CameraFormat {
   ColorInfo color;
   std::optional<SensorDuration> readout = {};        ///< where the sensor tells it
   std::optional<TimestampReference> timestamp = {};  ///< where the sensor tells it
+  std::vector<std::string> warnings = {};            ///< what is odd about the device, a line each
 };
 
 /// Frames, one after the other. Owns no policy: whoever reads decides what to drop. One thread

@@ -53,6 +53,13 @@ struct MutablePlane {
   std::ptrdiff_t stride_bytes = 0;
 };
 
+/// Where a plane lies in a dma-buf, for a GPU that is to read it without a copy. The descriptor
+/// belongs to the frame's storage: who needs it longer duplicates it.
+struct DmaBufPlane {
+  int fd = -1;
+  std::ptrdiff_t offset_bytes = 0;
+};
+
 /// A picture in NV12: plane 0 is luma, size.height rows of size.width bytes; plane 1 is interleaved
 /// U and V, chroma_size(size) pairs. Read only and cheap to copy: copies share the storage.
 struct VideoFrame {
@@ -61,6 +68,8 @@ struct VideoFrame {
   ColorInfo color;
   std::array<ConstPlane, 2> planes;
   std::shared_ptr<const void> storage;  ///< keeps the planes' memory alive
+  /// The same memory as that of `planes`, with their strides, where the driver exports it.
+  std::optional<std::array<DmaBufPlane, 2>> dma_buf = {};
 };
 
 /// Picture memory that its maker still writes; `publish` makes a frame of it.

@@ -22,10 +22,11 @@ DRIVER_STANDS_ON = {
     "replay": {"gstreamer"},
 }
 STAGES_THAT_DRIVERS_MAY_USE = {"sample", "queue", "lens"}
-# What drivers share: the clock, and for those on an I²C bus the bus.
+# What drivers share: the clock, cameras the conversion of pixels, and those on an I²C bus the bus.
 SHARED_BY_DRIVERS = {
     "clock": r".*",
     "i2c": r"i2c_.*",
+    "pixels": r"v4l2|libcamera",
 }
 
 # Where a system header is at home: its name, and the units (see `unit_of`) that may include it.
