@@ -31,7 +31,7 @@ std::uint8_t average(int a, int b, int c, int d) {
 }
 
 void interleave_row(const std::uint8_t* u, const std::uint8_t* v, int pairs, std::uint8_t* out) {
-  for (int x = 0; x < pairs; ++x) {
+  for (std::ptrdiff_t x = 0; x < pairs; ++x) {
     out[2 * x] = u[x];
     out[2 * x + 1] = v[x];
   }
@@ -49,7 +49,7 @@ void average_channel(ConstPlane source, ImageSize source_size, ChromaShare share
     for (int x = 0; x < chroma.width; ++x) {
       const int left = x * share.across;
       const int right = std::min((x + 1) * share.across, source_size.width) - 1;
-      out[2 * x] = average(upper[left], upper[right], lower[left], lower[right]);
+      out[std::ptrdiff_t{2} * x] = average(upper[left], upper[right], lower[left], lower[right]);
     }
   }
 }
@@ -134,14 +134,15 @@ void convert_packed_422(ConstPlane source, Packing422 packing, Nv12Buffer& pictu
   for (int y = 0; y < size.height; ++y) {
     const std::uint8_t* in = row_of(source, y) + layout.luma;
     std::uint8_t* out = row_of(picture.luma(), y);
-    for (int x = 0; x < size.width; ++x) out[x] = in[2 * x];
+    for (std::ptrdiff_t x = 0; x < size.width; ++x) out[x] = in[2 * x];
   }
   for (int y = 0; y < chroma.height; ++y) {
     const std::uint8_t* upper = row_of(source, 2 * y) + layout.chroma;
     const std::uint8_t* lower =
         row_of(source, std::min(2 * y + 1, size.height - 1)) + layout.chroma;
     std::uint8_t* out = row_of(picture.chroma(), y);
-    for (int x = 0; x < 2 * chroma.width; ++x) out[x] = average(upper[2 * x], lower[2 * x]);
+    for (std::ptrdiff_t x = 0; x < 2 * chroma.width; ++x)
+      out[x] = average(upper[2 * x], lower[2 * x]);
   }
 }
 
@@ -168,8 +169,9 @@ void convert_rgb(ConstPlane source, RgbOrder order, Nv12Buffer& picture) {
     std::uint8_t* out = row_of(picture.chroma(), y);
     for (int x = 0; x < chroma.width; ++x) {
       const Rgb sum = sum_of_block(upper, lower, 2 * x, std::min(2 * x + 1, size.width - 1), order);
-      out[2 * x] = weighted(sum, kCb, 4, 128);
-      out[2 * x + 1] = weighted(sum, kCr, 4, 128);
+      std::uint8_t* pair = out + std::ptrdiff_t{2} * x;
+      pair[0] = weighted(sum, kCb, 4, 128);
+      pair[1] = weighted(sum, kCr, 4, 128);
     }
   }
 }

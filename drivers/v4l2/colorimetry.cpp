@@ -83,15 +83,25 @@ int primaries_number(std::uint32_t colorspace) {
   }
 }
 
+// What follows from the colour space, by the kernel's own macros.
+
+std::uint32_t transfer_of(std::uint32_t colorspace) {
+  return V4L2_MAP_XFER_FUNC_DEFAULT(colorspace);
+}
+
+std::uint32_t encoding_of(std::uint32_t colorspace) {
+  return V4L2_MAP_YCBCR_ENC_DEFAULT(colorspace);
+}
+
+std::uint32_t quantization_of(std::uint32_t colorspace) {
+  return V4L2_MAP_QUANTIZATION_DEFAULT(false, colorspace, 0);
+}
+
 ColorFields without_defaults(ColorFields fields) {
-  if (fields.xfer_func == V4L2_XFER_FUNC_DEFAULT) {
-    fields.xfer_func = V4L2_MAP_XFER_FUNC_DEFAULT(fields.colorspace);
-  }
-  if (fields.ycbcr_enc == V4L2_YCBCR_ENC_DEFAULT) {
-    fields.ycbcr_enc = V4L2_MAP_YCBCR_ENC_DEFAULT(fields.colorspace);
-  }
+  if (fields.xfer_func == V4L2_XFER_FUNC_DEFAULT) fields.xfer_func = transfer_of(fields.colorspace);
+  if (fields.ycbcr_enc == V4L2_YCBCR_ENC_DEFAULT) fields.ycbcr_enc = encoding_of(fields.colorspace);
   if (fields.quantization == V4L2_QUANTIZATION_DEFAULT) {
-    fields.quantization = V4L2_MAP_QUANTIZATION_DEFAULT(false, fields.colorspace, fields.ycbcr_enc);
+    fields.quantization = quantization_of(fields.colorspace);
   }
   return fields;
 }

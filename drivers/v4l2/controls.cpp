@@ -124,6 +124,7 @@ const ControlInfo* find_control(const std::vector<ControlInfo>& controls, const 
 
 tl::unexpected<Error> unknown(const std::string& name, const std::vector<ControlInfo>& controls) {
   std::vector<std::string> names;
+  names.reserve(controls.size());
   for (const ControlInfo& control : controls) names.push_back(control.name);
   return bad_input(fmt::format("has no control {}; it has {}", name,
                                names.empty() ? "none" : fmt::format("{}", fmt::join(names, ", "))));

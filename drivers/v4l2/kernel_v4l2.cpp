@@ -5,7 +5,6 @@
 #include <sys/ioctl.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -57,41 +56,6 @@ int retry_ioctl(int fd, unsigned long code, void* argument) {
   return status == 0 ? 0 : errno;
 }
 
-std::optional<clockid_t> kernel_clock(StampClock clock) {
-  switch (clock) {
-    case StampClock::monotonic:
-      return CLOCK_MONOTONIC;
-    case StampClock::boottime:
-      return CLOCK_BOOTTIME;
-    case StampClock::monotonic_raw:
-      return CLOCK_MONOTONIC_RAW;
-    case StampClock::realtime:
-      return CLOCK_REALTIME;
-    case StampClock::tai:
-      return CLOCK_TAI;
-    case StampClock::system_counter:
-      return std::nullopt;
-  }
-  return std::nullopt;
-}
-
-/// CNTVCT_EL0 and CNTFRQ_EL0 (Arm Architecture Reference Manual, D12): readable by programs on
-/// Linux.
-std::optional<SensorDuration> read_system_counter() {
-#if defined(__aarch64__)
-  std::uint64_t ticks = 0;
-  std::uint64_t hertz = 0;
-  asm volatile("isb; mrs %0, cntvct_el0" : "=r"(ticks));
-  asm volatile("mrs %0, cntfrq_el0" : "=r"(hertz));
-  if (hertz == 0) return std::nullopt;
-  constexpr std::uint64_t kNanoseconds = 1'000'000'000;
-  return SensorDuration(static_cast<std::int64_t>(ticks / hertz * kNanoseconds +
-                                                  ticks % hertz * kNanoseconds / hertz));
-#else
-  return std::nullopt;
-#endif
-}
-
 class KernelDevice final : public V4l2Device {
  public:
   explicit KernelDevice(Descriptor node) : node_(std::move(node)) {}
@@ -126,12 +90,8 @@ class KernelDevice final : public V4l2Device {
 
   void cancel() override { cancelled_.set(); }
 
-  std::optional<SensorDuration> read_clock(StampClock clock) const override {
-    const auto id = kernel_clock(clock);
-    if (!id) return read_system_counter();
-    timespec now{};
-    if (::clock_gettime(*id, &now) != 0) return std::nullopt;
-    return std::chrono::seconds(now.tv_sec) + SensorDuration(now.tv_nsec);
+  [[nodiscard]] std::optional<SensorDuration> read_clock(KernelClock clock) const override {
+    return read_kernel_clock(clock);
   }
 
  private:
@@ -242,7 +202,7 @@ bool holds_open(const fs::path& process, const fs::path& node) {
 
 class KernelSystem final : public V4l2System {
  public:
-  std::vector<std::string> nodes() const override {
+  [[nodiscard]] std::vector<std::string> nodes() const override {
     std::vector<std::pair<int, std::string>> found;
     for (const fs::path& entry : entries_of("/dev")) {
       if (const auto number = number_of(entry.filename().string(), "video")) {
@@ -251,16 +211,17 @@ class KernelSystem final : public V4l2System {
     }
     std::ranges::sort(found);
     std::vector<std::string> paths;
+    paths.reserve(found.size());
     for (auto& [number, path] : found) paths.push_back(std::move(path));
     return paths;
   }
 
-  Result<std::unique_ptr<V4l2Device>> open(const std::string& path) const override {
+  [[nodiscard]] Result<std::unique_ptr<V4l2Device>> open(const std::string& path) const override {
     if (auto device = open_device(path)) return device;
     return bad_input(path + ": " + why_not_open(path, errno));
   }
 
-  std::unique_ptr<V4l2Device> open_sensor(const std::string& path) const override {
+  [[nodiscard]] std::unique_ptr<V4l2Device> open_sensor(const std::string& path) const override {
     const auto media_path = media_node_of(path);
     if (!media_path) return nullptr;
     const Descriptor media = open_node(*media_path);
@@ -270,7 +231,7 @@ class KernelSystem final : public V4l2System {
     return sensor_path ? open_device(*sensor_path) : nullptr;
   }
 
-  std::string users_of(const std::string& path) const override {
+  [[nodiscard]] std::string users_of(const std::string& path) const override {
     std::error_code error;
     const fs::path node = fs::canonical(path, error);
     if (error) return {};

@@ -140,6 +140,7 @@ std::vector<Candidate> readable(const std::vector<OfferedFormat>& offered) {
 
 std::string list_of(const std::vector<OfferedFormat>& offered) {
   std::vector<std::string> lines;
+  lines.reserve(offered.size());
   for (const OfferedFormat& format : offered) lines.push_back(describe(format));
   return fmt::format("{}", fmt::join(lines, "; "));
 }
@@ -323,6 +324,7 @@ std::vector<OfferedFormat> offered_formats(V4l2Device& device, std::uint32_t typ
 
 std::string describe(const OfferedFormat& format) {
   std::vector<std::string> sizes;
+  sizes.reserve(format.sizes.size());
   for (const OfferedSize& offered : format.sizes) {
     sizes.push_back(offered.rates_hz.empty() ? text_of(offered.size)
                                              : fmt::format("{} ({:.4g} fps)", text_of(offered.size),

@@ -59,7 +59,7 @@ class PictureStream : public std::enable_shared_from_this<PictureStream> {
   /// As the driver says before there is a picture: V4L2_BUF_FLAG_TIMESTAMP_* and _TSTAMP_SRC_*.
   [[nodiscard]] std::uint32_t stamp_flags() const { return stamp_flags_; }
 
-  [[nodiscard]] std::optional<SensorDuration> read_clock(StampClock clock) const {
+  [[nodiscard]] std::optional<SensorDuration> read_clock(KernelClock clock) const {
     return device_->read_clock(clock);
   }
 

@@ -9,21 +9,11 @@
 #include <string>
 #include <vector>
 
+#include "drivers/clock/kernel_clock.hpp"
 #include "pipeline/sample/result.hpp"
 #include "pipeline/sample/sensor_time.hpp"
 
 namespace gimbal {
-
-/// A clock that a driver may have stamped with, whatever it says. `system_counter` is the
-/// generic timer of ARM since power-on, which NVIDIA's capture engines stamp with.
-enum class StampClock : std::uint8_t {
-  monotonic,
-  boottime,
-  monotonic_raw,
-  realtime,
-  tai,
-  system_counter,
-};
 
 /// An open node, as the kernel shows it. All errors are values of errno. Only `cancel` may be
 /// called while another thread is in `wait`; the caller sees to the rest.
@@ -48,7 +38,7 @@ class V4l2Device {
   virtual void cancel() = 0;
 
   /// What a clock says now; nothing where there is no such clock.
-  [[nodiscard]] virtual std::optional<SensorDuration> read_clock(StampClock clock) const = 0;
+  [[nodiscard]] virtual std::optional<SensorDuration> read_clock(KernelClock clock) const = 0;
 };
 
 /// The nodes of a machine.

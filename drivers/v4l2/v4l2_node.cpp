@@ -102,8 +102,10 @@ void describe_node(const V4l2System& system, V4l2Node& node, DeviceReport& repor
     report.details.push_back(
         fmt::format("readout: {:.2f} ms as it is set now", to_seconds(timing->readout) * 1e3));
   }
+  const auto controls = list_controls(*node.device);
   std::vector<std::string> names;
-  for (const ControlInfo& control : list_controls(*node.device)) names.push_back(control.name);
+  names.reserve(controls.size());
+  for (const ControlInfo& control : controls) names.push_back(control.name);
   if (!names.empty()) {
     report.details.push_back(fmt::format("controls: {}", fmt::join(names, ", ")));
   }
@@ -154,8 +156,10 @@ std::optional<SensorTiming> timing_of(const V4l2System& system, V4l2Node& node) 
 }
 
 std::vector<DeviceReport> report_nodes(const V4l2System& system) {
+  const auto paths = system.nodes();
   std::vector<DeviceReport> reports;
-  for (const std::string& path : system.nodes()) reports.push_back(report_node(system, path));
+  reports.reserve(paths.size());
+  for (const std::string& path : paths) reports.push_back(report_node(system, path));
   return reports;
 }
 

@@ -123,7 +123,7 @@ Result<void> V4l2Source::judge_stamps() {
   format_.timestamp = settings_.timestamp.value_or(claimed_reference(first_->flags));
   const auto clock = find_clock(first_->stamp, clocks());
   if (!clock) {
-    const auto now = clocks()(StampClock::monotonic).value_or(SensorDuration::zero());
+    const auto now = clocks()(KernelClock::monotonic).value_or(SensorDuration::zero());
     return bad_input(
         fmt::format("its stamps are by none of the kernel's clocks ({:.3f} s behind "
                     "CLOCK_MONOTONIC), so that no motion can be matched to its pictures; stamping "
@@ -195,11 +195,11 @@ SensorTime V4l2Source::time_of(const FilledBuffer& buffer) const {
   if (settings_.stamp_source == StampSource::device) {
     return to_monotonic(buffer.stamp, clock_, clocks());
   }
-  return SensorTime(clocks()(StampClock::monotonic).value_or(buffer.stamp));
+  return SensorTime(clocks()(KernelClock::monotonic).value_or(buffer.stamp));
 }
 
 ReadClock V4l2Source::clocks() const {
-  return [from = stream()](StampClock clock) { return from->read_clock(clock); };
+  return [from = stream()](KernelClock clock) { return from->read_clock(clock); };
 }
 
 /// Frames that are out keep their buffers; the device is free for the next `start`.

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "drivers/camera_source.hpp"
+#include "drivers/clock/sequence_counter.hpp"
 #include "drivers/v4l2/picture_reader.hpp"
 #include "drivers/v4l2/picture_stream.hpp"
 #include "drivers/v4l2/stamp_clock.hpp"
@@ -51,7 +52,7 @@ class V4l2Source final : public CameraSource {
   CameraFormat format_;
   std::optional<PictureReader> reader_;
   std::optional<SensorDuration> exposure_;
-  StampClock clock_ = StampClock::monotonic;
+  KernelClock clock_ = KernelClock::monotonic;
   SequenceCounter sequence_;
   std::optional<FilledBuffer> first_;  ///< that `start` has waited for
   SensorTime last_time_;

@@ -23,6 +23,9 @@
 #include "tests/support/gst_playback.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/test_pictures.hpp"
+#ifdef GIMBALD_DRIVER_LIBCAMERA
+#include "drivers/libcamera/libcamera_camera.hpp"
+#endif
 #ifdef GIMBALD_DRIVER_V4L2
 #include "drivers/v4l2/v4l2_camera.hpp"
 #include "drivers/v4l2/v4l2_source.hpp"
@@ -250,6 +253,14 @@ CameraOr v4l2(const std::string& address, const std::filesystem::path& /*folder*
 }
 #endif
 
+#ifdef GIMBALD_DRIVER_LIBCAMERA
+CameraOr libcamera_camera(const std::string& address, const std::filesystem::path& /*folder*/) {
+  LibcameraSettings settings;
+  settings.camera = address;
+  return open_libcamera_camera(settings);
+}
+#endif
+
 std::vector<LiveCamera> cameras() {
   std::vector<LiveCamera> all = {{"PacedReplay", nullptr, paced_replay}};
 #ifdef GIMBALD_DRIVER_V4L2
@@ -258,6 +269,9 @@ std::vector<LiveCamera> cameras() {
   all.push_back({"V4l2Converted", nullptr,
                  [](const auto&, const auto&) { return v4l2_over_a_fake(V4L2_PIX_FMT_YUYV); }});
   all.push_back({"V4l2", "GIMBALD_TEST_V4L2", v4l2});
+#endif
+#ifdef GIMBALD_DRIVER_LIBCAMERA
+  all.push_back({"Libcamera", "GIMBALD_TEST_LIBCAMERA", libcamera_camera});
 #endif
   return all;
 }

@@ -48,7 +48,7 @@ class FakeCamera::Device final : public V4l2Device {
     is_cancelled = true;
     camera_->changed_.notify_all();
   }
-  [[nodiscard]] std::optional<SensorDuration> read_clock(StampClock clock) const override {
+  [[nodiscard]] std::optional<SensorDuration> read_clock(KernelClock clock) const override {
     const auto found = camera_->clocks.find(clock);
     if (found == camera_->clocks.end()) return std::nullopt;
     return camera_->now() + found->second;

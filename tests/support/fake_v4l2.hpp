@@ -66,7 +66,7 @@ class FakeCamera : public std::enable_shared_from_this<FakeCamera> {
   bool exports_dma_buf = true;
   FakePace pace = FakePace::simulated;
   /// What each clock is ahead of CLOCK_MONOTONIC; a clock that is missing does not exist.
-  std::map<StampClock, SensorDuration> clocks = {{StampClock::monotonic, {}}};
+  std::map<KernelClock, SensorDuration> clocks = {{KernelClock::monotonic, {}}};
   /// Changes what the n-th picture since the stream began is.
   std::function<void(std::uint32_t n, FakePicture& picture)> script;
   /// Bytes of a memory of the n-th picture, if not `default_bytes`.

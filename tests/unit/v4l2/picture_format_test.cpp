@@ -86,7 +86,7 @@ class RangedDevice final : public V4l2Device {
   void unmap(std::uint8_t*, std::size_t) override {}
   Wakeup wait(SensorDuration) override { return Wakeup::error; }
   void cancel() override {}
-  [[nodiscard]] std::optional<SensorDuration> read_clock(StampClock) const override { return {}; }
+  [[nodiscard]] std::optional<SensorDuration> read_clock(KernelClock) const override { return {}; }
 };
 
 TEST(OfferedFormats, OfARangeTheSizeHasToLieOnItsSteps) {

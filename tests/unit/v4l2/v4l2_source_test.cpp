@@ -262,7 +262,7 @@ TEST_F(V4l2SourceTest, AClockThatJumpsBackForLongIsAnError) {
 }
 
 TEST_F(V4l2SourceTest, AStampByAnotherClockIsConverted) {
-  camera_->clocks[StampClock::boottime] = std::chrono::hours(3);
+  camera_->clocks[KernelClock::boottime] = std::chrono::hours(3);
   camera_->script = [](std::uint32_t, FakePicture& picture) {
     picture.stamp += std::chrono::hours(3);
   };
