@@ -1,9 +1,15 @@
 #include "daemon/configuration.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <array>
 #include <optional>
+#include <system_error>
 #include <utility>
 
+#include "daemon/driver_keys.hpp"
+#include "drivers/replay/calibration_keys.hpp"
 #include "drivers/replay/toml_reader.hpp"
 
 namespace gimbal {
@@ -13,8 +19,28 @@ constexpr std::size_t kUsualLatencyFrames = 5;
 constexpr int kLongestLatencyFrames = 300;
 constexpr double kLargestZoom = 10;
 
-enum class DriverKind : std::uint8_t { replay };
-constexpr std::array<NamedValue<DriverKind>, 1> kDrivers{{{"replay", DriverKind::replay}}};
+constexpr double kNarrowestView_deg = 1;
+constexpr double kWidestView_deg = 170;  // of a lens that keeps straight lines straight
+
+/// A recording is both, camera and IMU; its driver stands for neither.
+template <typename Driver>
+using DriverName = NamedValue<std::optional<Driver>>;
+constexpr std::array<DriverName<CameraDriver>, 3> kCameraDrivers{
+    {{"replay", std::nullopt},
+     {"v4l2", CameraDriver::v4l2},
+     {"libcamera", CameraDriver::libcamera}}};
+constexpr std::array<DriverName<ImuDriver>, 5> kImuDrivers{
+    {{"replay", std::nullopt},
+     {"iio", ImuDriver::iio},
+     {"i2c_mpu6500", ImuDriver::i2c_mpu6500},
+     {"i2c_lsm6dso", ImuDriver::i2c_lsm6dso},
+     {"i2c_icm42688", ImuDriver::i2c_icm42688}}};
+
+/// What a file says of where things come from; a later file may say otherwise.
+struct ChosenDrivers {
+  std::optional<std::optional<CameraDriver>> camera;
+  std::optional<std::optional<ImuDriver>> imu;
+};
 
 /// The value of a word among a map's.
 template <typename T>
@@ -26,8 +52,48 @@ void read_choice(TomlTable& table, std::string_view key, const std::map<std::str
   if (const auto choice = table.choice<T>(key, allowed)) value = *choice;
 }
 
-void read_source(TomlTable& table) {
-  static_cast<void>(table.choice<DriverKind>("driver", kDrivers));
+/// What is named in a file lies beside it, or comes with the program.
+std::filesystem::path beside(const std::filesystem::path& file, const std::string& name) {
+  const std::filesystem::path near = file.parent_path() / name;
+  if (std::filesystem::exists(near)) return near;
+  const std::filesystem::path brought = std::filesystem::path(GIMBALD_DATA) / name;
+  return std::filesystem::exists(brought) ? brought : near;
+}
+
+void read_camera(TomlTable& table, const std::filesystem::path& file, ChosenDrivers& drivers,
+                 CalibrationSettings& calibration) {
+  if (const auto driver = table.choice<std::optional<CameraDriver>>("driver", kCameraDrivers)) {
+    drivers.camera = *driver;
+  }
+  if (const auto name = table.text("calibration")) {
+    calibration.file = beside(file, *name);
+    if (!std::filesystem::exists(calibration.file)) {
+      table.refuse("calibration", "is not there: " + calibration.file.string());
+    }
+  }
+  if (const auto view = table.number("horizontal_fov_deg")) {
+    if (!(*view >= kNarrowestView_deg && *view <= kWidestView_deg)) {
+      table.refuse("horizontal_fov_deg", "must be from 1 to 170");
+    }
+    calibration.horizontal_fov_deg = view;
+  }
+  if (const auto readout = read_readout(table)) calibration.readout = readout;
+  if (const auto direction =
+          table.choice<ReadoutDirection>("readout_direction", readout_direction_names())) {
+    calibration.readout_direction = direction;
+  }
+  if (const auto offset = read_time_offset(table)) calibration.time_offset = offset;
+  if (const auto stamp = table.choice<TimestampReference>("timestamp", timestamp_names())) {
+    calibration.timestamp = stamp;
+  }
+}
+
+void read_imu(TomlTable& table, ChosenDrivers& drivers, CalibrationSettings& calibration) {
+  if (const auto driver = table.choice<std::optional<ImuDriver>>("driver", kImuDrivers)) {
+    drivers.imu = *driver;
+  }
+  if (const auto R = read_rotation(table, "R_camera_imu")) calibration.R_camera_imu = R;
+  if (const auto delay = read_imu_delay(table)) calibration.imu_delay = delay;
 }
 
 void read_replay(TomlTable& table, ReplaySettings& replay) {
@@ -86,35 +152,82 @@ Result<void> read_table(TomlTable& root, std::string_view name, const Read& read
   return verdict(*table);
 }
 
-Result<void> read_file(const std::filesystem::path& file, Configuration& configuration) {
+Result<void> read_file(const std::filesystem::path& file, Configuration& configuration,
+                       ChosenDrivers& drivers) {
   auto root = TomlTable::load(file);
   if (!root) return tl::unexpected(root.error());
   if (auto outputs = root->texts("outputs")) configuration.outputs = std::move(*outputs);
-  return read_table(*root, "camera", read_source)
-      .and_then([&] { return read_table(*root, "imu", read_source); })
-      .and_then([&] {
-        return read_table(*root, "replay",
-                          [&](TomlTable& table) { read_replay(table, configuration.replay); });
-      })
-      .and_then([&] {
-        return read_table(*root, "stabilization", [&](TomlTable& table) {
-          read_stabilization(table, configuration.stabilization);
-        });
-      })
+  CalibrationSettings& calibration = configuration.calibration;
+  const auto read = [&](std::string_view name, const auto& reader) {
+    return [&root, name, reader] { return read_table(*root, name, reader); };
+  };
+  return read("camera", [&](TomlTable& t) { read_camera(t, file, drivers, calibration); })()
+      .and_then(read("imu", [&](TomlTable& t) { read_imu(t, drivers, calibration); }))
+      .and_then(read("replay", [&](TomlTable& t) { read_replay(t, configuration.replay); }))
+      .and_then(read("v4l2", [&](TomlTable& t) { read_v4l2(t, configuration.camera.v4l2); }))
+      .and_then(read("libcamera",
+                     [&](TomlTable& t) { read_libcamera(t, configuration.camera.libcamera); }))
+      .and_then(read("iio", [&](TomlTable& t) { read_iio(t, configuration.imu.iio); }))
+      .and_then(read("i2c", [&](TomlTable& t) { read_i2c(t, configuration.imu); }))
+      .and_then(read("stabilization",
+                     [&](TomlTable& t) { read_stabilization(t, configuration.stabilization); }))
       .and_then([&] { return verdict(*root); });
+}
+
+/// Camera and IMU are two devices, or one recording.
+Result<void> choose_source(const ChosenDrivers& drivers, Configuration& configuration) {
+  const auto camera = drivers.camera.value_or(std::nullopt);
+  const auto imu = drivers.imu.value_or(std::nullopt);
+  const bool is_said = drivers.camera || drivers.imu || !configuration.replay.session.empty();
+  if (!is_said) {
+    return bad_input(
+        "no camera is configured: give --config FILE with driver = \"v4l2\" under [camera] and "
+        "driver = \"iio\" under [imu], or [replay] session = \"FOLDER\"");
+  }
+  if (camera.has_value() != imu.has_value()) {
+    return bad_input(
+        "camera.driver and imu.driver do not go together: either both are \"replay\", or both are "
+        "devices");
+  }
+  if (!camera) {
+    if (!configuration.replay.session.empty()) return {};
+    return bad_input("nothing to replay: give session = \"FOLDER\" under [replay]");
+  }
+  configuration.source = SourceKind::devices;
+  configuration.camera.driver = *camera;
+  configuration.imu.driver = *imu;
+  return {};
 }
 
 }  // namespace
 
+Result<std::vector<std::filesystem::path>> usual_configuration_files() {
+  const std::filesystem::path folder = GIMBALD_SYSCONF;
+  std::vector<std::filesystem::path> files;
+  std::error_code error;
+  for (const auto& entry : std::filesystem::directory_iterator(folder / "conf.d", error)) {
+    if (entry.path().extension() == ".toml") files.push_back(entry.path());
+  }
+  std::ranges::sort(files);
+  const std::filesystem::path main_file = folder / "gimbald.toml";
+  if (std::filesystem::exists(main_file)) files.insert(files.begin(), main_file);
+  if (!files.empty()) return files;
+  return bad_input(
+      fmt::format("{}: no such file: write one (see {}/examples), or give --config FILE",
+                  main_file.string(), GIMBALD_DATA));
+}
+
 Result<Configuration> load_configuration(std::span<const std::filesystem::path> files) {
   Configuration configuration;
   configuration.stabilization.latency = kUsualLatencyFrames;
+  ChosenDrivers drivers;
   for (const std::filesystem::path& file : files) {
-    if (auto read = read_file(file, configuration); !read) return tl::unexpected(read.error());
+    if (auto read = read_file(file, configuration, drivers); !read) {
+      return tl::unexpected(read.error());
+    }
   }
-  if (configuration.replay.session.empty()) {
-    return bad_input(
-        "no camera is configured: give --config FILE with [replay] session = \"FOLDER\"");
+  if (auto chosen = choose_source(drivers, configuration); !chosen) {
+    return tl::unexpected(chosen.error());
   }
   if (configuration.outputs.empty()) {
     return bad_input("no output is configured: give outputs = [\"-\"], a file or a pipeline text");

@@ -1,12 +1,17 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "daemon/stabilization.hpp"
+#include "drivers/driver_table.hpp"
 #include "drivers/replay/paced_replay.hpp"
+#include "pipeline/sample/calibration.hpp"
 #include "pipeline/sample/result.hpp"
 
 namespace gimbal {
@@ -17,12 +22,38 @@ struct ReplaySettings {
   Repeat repeat = Repeat::forever;
 };
 
+/// What is known of a camera and its IMU, beside what the devices tell.
+struct CalibrationSettings {
+  /// With the tables [camera] and [imu] of a session.toml; empty for none.
+  std::filesystem::path file;
+  /// Across the picture, of a lens that was not calibrated.
+  std::optional<double> horizontal_fov_deg;
+  // What these say goes before the file.
+  std::optional<SensorDuration> readout;
+  std::optional<ReadoutDirection> readout_direction;
+  std::optional<SensorDuration> time_offset;
+  std::optional<TimestampReference> timestamp;
+  std::optional<Eigen::Matrix3d> R_camera_imu;
+  std::optional<SensorDuration> imu_delay;
+};
+
+/// Where frames and samples come from.
+enum class SourceKind : std::uint8_t { devices, replay };
+
 /// What the daemon is told to do. See config/examples.
 struct Configuration {
+  SourceKind source = SourceKind::replay;
   ReplaySettings replay;
+  CameraSettings camera;
+  ImuSettings imu;
+  CalibrationSettings calibration;
   StabilizationSettings stabilization;
   std::vector<std::string> outputs;  ///< as `gimbalctl stabilize -o` takes them
 };
+
+/// Where the daemon looks if it is not told: /etc/gimbald/gimbald.toml, then
+/// /etc/gimbald/conf.d/*.toml in the order of their names. Fails if there is none.
+[[nodiscard]] Result<std::vector<std::filesystem::path>> usual_configuration_files();
 
 /// Reads the files in order; a later one overrides single keys of an earlier one. Fails with file,
 /// line, key, what was found and what is allowed; a key that is not known is an error.

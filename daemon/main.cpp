@@ -11,9 +11,8 @@
 #include "daemon/configuration.hpp"
 #include "daemon/journal.hpp"
 #include "daemon/live_pipeline.hpp"
+#include "daemon/live_sources.hpp"
 #include "daemon/service_notify.hpp"
-#include "drivers/replay/paced_replay.hpp"
-#include "drivers/replay/session.hpp"
 
 namespace gimbal {
 namespace {
@@ -35,26 +34,6 @@ sigset_t block_signals() {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, signal);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   return signals;
-}
-
-Result<LiveSources> open_sources(const Configuration& configuration) {
-  const auto session = open_session(configuration.replay.session);
-  if (!session) return tl::unexpected(session.error());
-  for (const std::string& warning : session->warnings) log_line(LogLevel::warning, warning);
-  const std::string folder = configuration.replay.session.string();
-  if (session->video.empty()) return bad_input(folder + ": no video in this session");
-  if (!session->camera) {
-    return bad_input(folder + ": the lens is not known: give K under [camera] in session.toml");
-  }
-  if (session->gyro.empty()) return bad_input(folder + ": no gyro samples in this session");
-  const auto timeline = std::make_shared<ReplayTimeline>(*session);
-  LiveSources sources;
-  sources.camera = std::make_unique<PacedCamera>(*session, timeline, configuration.replay.repeat);
-  sources.imu = std::make_unique<PacedImu>(*session, timeline, configuration.replay.repeat);
-  sources.camera_calibration = *session->camera;
-  sources.imu_calibration = session->imu;
-  sources.accelerometer = session->accel.empty() ? Accelerometer::absent : Accelerometer::present;
-  return sources;
 }
 
 /// Until a signal or the pipeline's own end. The watchdog is fed only while frames come out.
@@ -124,6 +103,11 @@ int main_of(int argc, char** argv) {
     if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
     log_line(LogLevel::error, fmt::format("{} (see gimbald --help)", error.what()));
     return kExitBadInput;
+  }
+  if (files.empty()) {
+    auto usual = usual_configuration_files();
+    if (!usual) return report(usual.error());
+    files = std::move(*usual);
   }
   const auto configuration = load_configuration(files);
   if (!configuration) return report(configuration.error());

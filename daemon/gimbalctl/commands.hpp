@@ -22,6 +22,7 @@ std::vector<std::string> names_of(const std::map<std::string, Value>& choices) {
   return names;
 }
 
+void add_devices_command(CLI::App& app, CommandOutcome& outcome);
 void add_sessions_command(CLI::App& app, CommandOutcome& outcome);
 void add_simulate_command(CLI::App& app, CommandOutcome& outcome);
 void add_stabilize_command(CLI::App& app, CommandOutcome& outcome);

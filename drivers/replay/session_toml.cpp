@@ -3,14 +3,15 @@
 #include <fmt/core.h>
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <iterator>
+#include <span>
 #include <string_view>
 #include <utility>
 
+#include "drivers/replay/calibration_keys.hpp"
 #include "drivers/replay/decimal_time.hpp"
 #include "drivers/replay/toml_reader.hpp"
 #include "pipeline/lens/lens.hpp"
@@ -21,46 +22,21 @@ namespace {
 
 constexpr double kStandardGravity_m_s2 = 9.80665;
 constexpr int kLargestSide_px = 65535;
-constexpr double kLongestReadout_s = 10.0;
-constexpr double kLongestImuDelay_s = 1.0;
-/// Offsets between the epochs of two clocks can be decades; more does not fit.
-constexpr double kLongestOffset_s = 4e9;
 
 constexpr std::array<NamedValue<LensModel>, 3> kLensModels{{{"pinhole", LensModel::pinhole},
                                                             {"brown", LensModel::brown},
                                                             {"fisheye", LensModel::fisheye}}};
-constexpr std::array<NamedValue<ReadoutDirection>, 4> kDirections{
-    {{"top-down", ReadoutDirection::top_down},
-     {"bottom-up", ReadoutDirection::bottom_up},
-     {"left-right", ReadoutDirection::left_right},
-     {"right-left", ReadoutDirection::right_left}}};
-constexpr std::array<NamedValue<TimestampReference>, 3> kTimestamps{
-    {{"readout-start", TimestampReference::readout_start},
-     {"exposure-start", TimestampReference::exposure_start},
-     {"readout-end", TimestampReference::readout_end}}};
 constexpr std::array<NamedValue<double>, 2> kAccelUnits{
     {{"m/s2", 1.0}, {"g", kStandardGravity_m_s2}}};
 /// CoreMotion's numbers have the sign of gravity: face up reads (0, 0, -1).
 constexpr std::array<NamedValue<double>, 2> kAccelSigns{
     {{"specific-force", 1.0}, {"core-motion", -1.0}}};
 
-template <typename T, std::size_t n>
-std::string_view name_of(const std::array<NamedValue<T>, n>& names, T value) {
+template <typename T>
+std::string_view name_of(std::span<const NamedValue<T>> names, T value) {
   const auto found = std::find_if(names.begin(), names.end(),
                                   [&](const NamedValue<T>& named) { return named.value == value; });
   return found->name;
-}
-
-std::optional<SensorDuration> read_duration(TomlTable& table, std::string_view key, double least_s,
-                                            double most_s) {
-  const std::optional<double> seconds = table.number(key);
-  if (!seconds) return std::nullopt;
-  if (*seconds < least_s || *seconds > most_s) {
-    table.refuse(key,
-                 fmt::format("is {}; {} to {} seconds are allowed", *seconds, least_s, most_s));
-    return std::nullopt;
-  }
-  return duration_from_seconds(*seconds);
 }
 
 /// All of [camera] but K, whose presence decides whether the lens is calibrated.
@@ -72,13 +48,12 @@ CameraCalibration read_camera_without_K(TomlTable& table) {
   if (camera.fps < 0 || camera.fps > 1e5) table.refuse("fps", "must be between 0 and 100000");
   camera.lens.model = table.choice<LensModel>("model", kLensModels).value_or(LensModel::pinhole);
   camera.lens.distortion = table.numbers("distortion").value_or(std::vector<double>{});
-  camera.readout =
-      read_duration(table, "readout_s", 0, kLongestReadout_s).value_or(SensorDuration{});
-  camera.readout_direction = table.choice<ReadoutDirection>("readout_direction", kDirections)
-                                 .value_or(ReadoutDirection::top_down);
-  camera.time_offset = read_duration(table, "time_offset_s", -kLongestOffset_s, kLongestOffset_s)
-                           .value_or(SensorDuration{});
-  camera.timestamp = table.choice<TimestampReference>("timestamp", kTimestamps)
+  camera.readout = read_readout(table).value_or(SensorDuration{});
+  camera.readout_direction =
+      table.choice<ReadoutDirection>("readout_direction", readout_direction_names())
+          .value_or(ReadoutDirection::top_down);
+  camera.time_offset = read_time_offset(table).value_or(SensorDuration{});
+  camera.timestamp = table.choice<TimestampReference>("timestamp", timestamp_names())
                          .value_or(TimestampReference::readout_start);
   return camera;
 }
@@ -117,25 +92,8 @@ Result<void> read_camera(TomlTable& table, SessionToml& out) {
   return {};
 }
 
-/// The rotation nearest to a matrix that was rounded when it was written.
-std::optional<Eigen::Matrix3d> read_rotation(TomlTable& table, std::string_view key) {
-  constexpr double kRounding = 1e-2;
-  constexpr double kExact = 1e-12;
-  const std::optional<Eigen::Matrix3d> R = table.matrix3(key);
-  if (!R) return std::nullopt;
-  const double error = (R->transpose() * *R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff();
-  if (error > kRounding || R->determinant() < 0) {
-    table.refuse(key, R->determinant() < 0
-                          ? "is a mirror, not a rotation: its determinant is below 0"
-                          : "is not a rotation: its rows are not unit vectors at "
-                            "right angles to each other");
-    return std::nullopt;
-  }
-  return error < kExact ? *R : Eigen::Quaterniond(*R).normalized().toRotationMatrix();
-}
-
 Result<void> read_imu(TomlTable& table, SessionToml& out) {
-  out.session.imu.delay = read_duration(table, "delay_s", 0, kLongestImuDelay_s);
+  out.session.imu.delay = read_imu_delay(table);
   out.session.imu.R_camera_imu =
       read_rotation(table, "R_camera_imu").value_or(Eigen::Matrix3d::Identity());
   out.accel_to_specific_force_m_s2 = table.choice<double>("accel_unit", kAccelUnits).value_or(1.0) *
@@ -195,7 +153,7 @@ std::string format_lens(const LensParameters& lens) {
   distortion.reserve(lens.distortion.size());
   for (const double coefficient : lens.distortion) distortion.push_back(format_float(coefficient));
   return fmt::format("model = \"{}\"\nK = {}\ndistortion = [{}]\n",
-                     name_of(kLensModels, lens.model), format_matrix(lens.K),
+                     name_of<LensModel>(kLensModels, lens.model), format_matrix(lens.K),
                      fmt::join(distortion, ", "));
 }
 
@@ -208,9 +166,10 @@ std::string format_camera(const CameraCalibration& camera, std::string_view lens
   out += lens;
   out +=
       fmt::format("readout_s = {}\nreadout_direction = \"{}\"\n", format_duration(camera.readout),
-                  name_of(kDirections, camera.readout_direction));
-  out += fmt::format("time_offset_s = {}\ntimestamp = \"{}\"\n",
-                     format_duration(camera.time_offset), name_of(kTimestamps, camera.timestamp));
+                  name_of(readout_direction_names(), camera.readout_direction));
+  out +=
+      fmt::format("time_offset_s = {}\ntimestamp = \"{}\"\n", format_duration(camera.time_offset),
+                  name_of(timestamp_names(), camera.timestamp));
   return out;
 }
 

@@ -192,6 +192,15 @@ std::optional<int> TomlTable::integer(std::string_view key, int least, int most)
   return std::nullopt;
 }
 
+std::optional<std::int64_t> TomlTable::whole_number(std::string_view key) {
+  const toml::node* const node = state_->find(key);
+  if (node == nullptr) return std::nullopt;
+  if (const auto truth = node->value_exact<bool>()) return *truth ? 1 : 0;
+  const std::optional<std::int64_t> value = node->value_exact<std::int64_t>();
+  if (!value) state_->expect(*node, key, "a whole number");
+  return value;
+}
+
 std::optional<std::vector<double>> TomlTable::numbers(std::string_view key) {
   const toml::node* const node = state_->find(key);
   if (node == nullptr) return std::nullopt;
@@ -238,6 +247,17 @@ std::optional<TomlTable> TomlTable::table(std::string_view key) {
 void TomlTable::refuse(std::string_view key, std::string_view complaint) {
   const toml::node* const node = state_->table->get(key);
   state_->keep_fault(node != nullptr ? *node : *state_->table, key, complaint);
+}
+
+void TomlTable::refuse(const Error& error) {
+  if (!state_->error) state_->error = error;
+}
+
+std::vector<std::string> TomlTable::keys() const {
+  std::vector<std::string> keys;
+  keys.reserve(state_->table->size());
+  for (const auto& [key, node] : *state_->table) keys.emplace_back(key.str());
+  return keys;
 }
 
 void TomlTable::refuse_word(std::string_view key, std::string_view word,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -41,6 +42,8 @@ class TomlTable {
   [[nodiscard]] std::optional<bool> boolean(std::string_view key);
   [[nodiscard]] std::optional<std::vector<std::string>> texts(std::string_view key);
   [[nodiscard]] std::optional<int> integer(std::string_view key, int least, int most);
+  /// true and false count as 1 and 0.
+  [[nodiscard]] std::optional<std::int64_t> whole_number(std::string_view key);
   [[nodiscard]] std::optional<std::vector<double>> numbers(std::string_view key);
   /// Three rows of three numbers.
   [[nodiscard]] std::optional<Eigen::Matrix3d> matrix3(std::string_view key);
@@ -60,8 +63,13 @@ class TomlTable {
     return std::nullopt;
   }
 
+  [[nodiscard]] std::vector<std::string> keys() const;
+
   /// Keeps a fault of a key's value that the caller found.
   void refuse(std::string_view key, std::string_view complaint);
+
+  /// Keeps a fault of a table inside this one.
+  void refuse(const Error& error);
 
   [[nodiscard]] const std::optional<Error>& error() const;
 

@@ -62,6 +62,8 @@ TEST_F(Gimbald, SaysWhatIsWrongWithAConfiguration) {
     std::string text, said;
   };
   const std::string replay = "outputs = [\"-\"]\n[replay]\nsession = \"here\"\n";
+  const std::string live =
+      "outputs = [\"-\"]\n[camera]\ndriver = \"v4l2\"\n[imu]\ndriver = \"iio\"\n";
   for (const Case& c : std::vector<Case>{
            {"outputs = [\"-\"]\n", "no camera is configured"},
            {"[replay]\nsession = \"here\"\n", "no output is configured"},
@@ -76,6 +78,19 @@ TEST_F(Gimbald, SaysWhatIsWrongWithAConfiguration) {
            {replay + "[stabilization]\nborder = \"fancy\"\n", "stabilization.border"},
            {replay + "[stabilization]\nlatency_frames = -1\n", "stabilization.latency_frames"},
            {replay + "[camera]\ndriver = \"v4l3\"\n", "camera.driver"},
+           {live + "[v4l2]\nwidth = 640\n", "line 7: v4l2.width needs height beside it"},
+           {live + "[v4l2]\nfps = 0\n", "v4l2.fps is 0; 0.1 to 1000 is allowed"},
+           {live + "[v4l2.controls]\nexposure = \"long\"\n",
+            "line 7: v4l2.controls.exposure is \"long\"; a whole number is expected"},
+           {live + "[iio]\nrate = 100\n", "iio.\"rate\" is not known; is iio.rate_hz meant?"},
+           {live + "[i2c]\naccel_range_g = 4\n", "accel_range_g is 4; 8 and 16 are allowed"},
+           {live + "[i2c]\naddress = 200\n", "i2c.address"},
+           {"outputs = [\"-\"]\n[camera]\ndriver = \"v4l2\"\n", "do not go together"},
+           {"outputs = [\"-\"]\n[camera]\ncalibration = \"none.toml\"\n",
+            "line 3: camera.calibration is not there"},
+           {"outputs = [\"-\"]\n[camera]\nhorizontal_fov_deg = 200\n", "must be from 1 to 170"},
+           {"outputs = [\"-\"]\n[imu]\nR_camera_imu = [[1,0,0],[0,1,0],[0,0,2]]\n",
+            "is not a rotation"},
            {"outputs = [", "line 1"}}) {
     const auto checked = run(c.text, {"--check-config"});
     EXPECT_EQ(checked.exit_status, 2) << c.text;

@@ -1,0 +1,176 @@
+#include "daemon/live_sources.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <numbers>
+#include <utility>
+
+#include "daemon/journal.hpp"
+#include "drivers/replay/session.hpp"
+#include "drivers/replay/session_toml.hpp"
+
+namespace gimbal {
+namespace {
+
+/// Pixels are square, and the axis goes through the middle: near enough until it is calibrated.
+LensParameters lens_of_view(ImageSize size, double horizontal_fov_deg) {
+  const double half_rad = horizontal_fov_deg * std::numbers::pi / 360;
+  const double focal_px = size.width / 2.0 / std::tan(half_rad);
+  LensParameters lens;
+  lens.K << focal_px, 0, (size.width - 1) / 2.0,  //
+      0, focal_px, (size.height - 1) / 2.0,       //
+      0, 0, 1;
+  return lens;
+}
+
+/// Pixel centres have whole coordinates: what scales is the distance from the picture's corner.
+Eigen::Matrix3d scaled(const Eigen::Matrix3d& K, double ratio) {
+  Eigen::Matrix3d out = K * ratio;
+  out(0, 2) = (K(0, 2) + 0.5) * ratio - 0.5;
+  out(1, 2) = (K(1, 2) + 0.5) * ratio - 0.5;
+  out(2, 2) = 1;
+  return out;
+}
+
+Result<void> fit_to(ImageSize size, CameraCalibration& camera) {
+  constexpr double kSameShape = 0.01;
+  const double across = static_cast<double>(size.width) / camera.size.width;
+  const double down = static_cast<double>(size.height) / camera.size.height;
+  if (std::abs(across / down - 1) > kSameShape) {
+    return bad_input(
+        fmt::format("the camera delivers {}x{}, its calibration is for {}x{}: set width and height "
+                    "to a size of "
+                    "that shape, or calibrate for this one",
+                    size.width, size.height, camera.size.width, camera.size.height));
+  }
+  camera.lens.K = scaled(camera.lens.K, across);
+  camera.size = size;
+  return {};
+}
+
+Result<Session> read_calibration(const std::filesystem::path& file) {
+  auto toml = read_session_toml(file);
+  if (!toml) return tl::unexpected(toml.error());
+  for (const std::string& warning : toml->warnings) log_line(LogLevel::warning, warning);
+  return std::move(toml->session);
+}
+
+Result<CameraCalibration> lens_for(const CameraFormat& format,
+                                   const CalibrationSettings& settings) {
+  CameraCalibration camera;
+  if (!settings.file.empty()) {
+    const auto session = read_calibration(settings.file);
+    if (!session) return tl::unexpected(session.error());
+    if (!session->camera) return bad_input(settings.file.string() + ": no K under [camera]");
+    camera = *session->camera;
+    if (auto fitted = fit_to(format.size, camera); !fitted) return tl::unexpected(fitted.error());
+    return camera;
+  }
+  if (!settings.horizontal_fov_deg) {
+    return bad_input(
+        "the lens is not known: give calibration = FILE under [camera], or horizontal_fov_deg, how "
+        "many degrees the picture is wide");
+  }
+  camera.size = format.size;
+  camera.lens = lens_of_view(format.size, *settings.horizontal_fov_deg);
+  return camera;
+}
+
+Result<ImuCalibration> imu_calibration(const CalibrationSettings& settings) {
+  ImuCalibration imu;
+  if (!settings.file.empty()) {
+    const auto session = read_calibration(settings.file);
+    if (!session) return tl::unexpected(session.error());
+    imu = session->imu;
+  }
+  if (settings.R_camera_imu) imu.R_camera_imu = *settings.R_camera_imu;
+  if (settings.imu_delay) imu.delay = settings.imu_delay;
+  return imu;
+}
+
+/// Frames that wait for the path lie in the device's own buffers, as long as there are enough.
+CameraSettings with_room_for_latency(const Configuration& configuration) {
+  constexpr int kBesideThePath = 6;  // waiting for orientations, being drawn, being filled
+  constexpr int kMostBuffers = 32;
+  CameraSettings camera = configuration.camera;
+  const auto latency = static_cast<int>(configuration.stabilization.latency.value_or(0));
+  camera.v4l2.buffers = std::clamp(latency + kBesideThePath, camera.v4l2.buffers, kMostBuffers);
+  return camera;
+}
+
+Result<LiveSources> open_devices(const Configuration& configuration) {
+  LiveSources sources;
+  auto imu = imu_calibration(configuration.calibration);
+  if (!imu) return tl::unexpected(imu.error());
+  sources.imu_calibration = *imu;
+  auto camera = open_camera(with_room_for_latency(configuration));
+  if (!camera) return tl::unexpected(camera.error());
+  if (auto started = (*camera)->start(); !started) return tl::unexpected(started.error());
+  const CameraFormat format = (*camera)->format();
+  for (const std::string& warning : format.warnings) log_line(LogLevel::warning, warning);
+  auto calibration = calibration_for(format, configuration.calibration);
+  (*camera)->stop();
+  if (!calibration) return tl::unexpected(calibration.error());
+  if (calibration->readout == SensorDuration::zero()) {
+    log_line(LogLevel::warning,
+             "the time that the sensor takes from its first row to its last is not known, so rows "
+             "count as exposed at once: give readout_s under [camera]");
+  }
+  sources.camera = std::move(*camera);
+  sources.camera_calibration = *calibration;
+  auto source = open_imu(configuration.imu);
+  if (!source) return tl::unexpected(source.error());
+  sources.imu = std::move(*source);
+  const bool has_no_accel =
+      configuration.imu.driver == ImuDriver::iio && configuration.imu.iio.accel_device == "none";
+  if (has_no_accel) sources.accelerometer = Accelerometer::absent;
+  return sources;
+}
+
+Result<LiveSources> open_recording(const ReplaySettings& replay) {
+  const auto session = open_session(replay.session);
+  if (!session) return tl::unexpected(session.error());
+  for (const std::string& warning : session->warnings) log_line(LogLevel::warning, warning);
+  const std::string folder = replay.session.string();
+  if (session->video.empty()) return bad_input(folder + ": no video in this session");
+  if (!session->camera) {
+    return bad_input(folder + ": the lens is not known: give K under [camera] in session.toml");
+  }
+  if (session->gyro.empty()) return bad_input(folder + ": no gyro samples in this session");
+  const auto timeline = std::make_shared<ReplayTimeline>(*session);
+  LiveSources sources;
+  sources.camera = std::make_unique<PacedCamera>(*session, timeline, replay.repeat);
+  sources.imu = std::make_unique<PacedImu>(*session, timeline, replay.repeat);
+  sources.camera_calibration = *session->camera;
+  sources.imu_calibration = session->imu;
+  sources.accelerometer = session->accel.empty() ? Accelerometer::absent : Accelerometer::present;
+  return sources;
+}
+
+}  // namespace
+
+Result<CameraCalibration> calibration_for(const CameraFormat& format,
+                                          const CalibrationSettings& settings) {
+  auto camera = lens_for(format, settings);
+  if (!camera) return camera;
+  camera->fps = format.fps;
+  if (settings.file.empty()) {
+    camera->readout = format.readout.value_or(SensorDuration::zero());
+    camera->timestamp = format.timestamp.value_or(TimestampReference::readout_start);
+  }
+  if (settings.readout) camera->readout = *settings.readout;
+  if (settings.readout_direction) camera->readout_direction = *settings.readout_direction;
+  if (settings.time_offset) camera->time_offset = *settings.time_offset;
+  if (settings.timestamp) camera->timestamp = *settings.timestamp;
+  return camera;
+}
+
+Result<LiveSources> open_sources(const Configuration& configuration) {
+  return configuration.source == SourceKind::replay ? open_recording(configuration.replay)
+                                                    : open_devices(configuration);
+}
+
+}  // namespace gimbal
