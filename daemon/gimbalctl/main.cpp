@@ -5,8 +5,9 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <exception>
+#include <new>
 #include <string>
-#include <system_error>
 
 #include "daemon/gimbalctl/commands.hpp"
 
@@ -42,8 +43,10 @@ int run(CLI::App& app, int argc, char** argv, const gimbal::CommandOutcome& outc
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return report_usage(app, error);
-  } catch (const std::system_error& error) {  // from fmt::print
-    return report(standard_output_error(error.code().message().c_str()));
+  } catch (const std::bad_alloc&) {
+    return report({gimbal::Error::Kind::failed, "not enough memory"});
+  } catch (const std::exception& error) {  // from fmt::print, for instance
+    return report({gimbal::Error::Kind::failed, error.what()});
   }
   if (!outcome) return report(outcome.error());
   if (std::fflush(stdout) != 0) return report(standard_output_error(std::strerror(errno)));

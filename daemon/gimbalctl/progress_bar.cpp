@@ -1,12 +1,21 @@
 #include "daemon/gimbalctl/progress_bar.hpp"
 
-#include <fmt/core.h>
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <utility>
 
 namespace gimbal {
+namespace {
+
+/// Unlike fmt::print this does not throw: a terminal that goes away must not end the work.
+void show(const std::string& text) {
+  static_cast<void>(std::fputs(text.c_str(), stderr));
+}
+
+}  // namespace
 
 ProgressBar::ProgressBar(std::string label, std::int64_t total, ProgressStyle style)
     : label_(std::move(label)),
@@ -14,7 +23,7 @@ ProgressBar::ProgressBar(std::string label, std::int64_t total, ProgressStyle st
       visible_(style == ProgressStyle::automatic && total > 0 && isatty(STDERR_FILENO) != 0) {}
 
 ProgressBar::~ProgressBar() {
-  if (visible_) fmt::print(stderr, "\n");
+  if (visible_) show("\n");
 }
 
 void ProgressBar::advance() {
@@ -29,8 +38,8 @@ void ProgressBar::advance() {
 void ProgressBar::draw() const {
   constexpr int kWidth = 40;
   const auto filled = static_cast<std::size_t>(drawn_percent_ * kWidth / 100);
-  fmt::print(stderr, "\r{} [{:<{}}] {:3}%", label_, std::string(filled, '#'), kWidth,
-             drawn_percent_);
+  show(
+      fmt::format("\r{} [{:<{}}] {:3}%", label_, std::string(filled, '#'), kWidth, drawn_percent_));
 }
 
 }  // namespace gimbal

@@ -102,13 +102,11 @@ Result<ImageSize> parse_size(const std::string& text) {
   if (width.ec == std::errc() && width.ptr != end && *width.ptr == 'x') {
     const auto height = std::from_chars(width.ptr + 1, end, size.height);
     const bool whole = height.ec == std::errc() && height.ptr == end;
-    if (whole && size.width >= 16 && size.height >= 16 && size.width <= 8192 &&
-        size.height <= 8192) {
-      return size;
-    }
+    const auto fits = [](int side) { return side >= 16 && side <= 8192 && side % 2 == 0; };
+    if (whole && fits(size.width) && fits(size.height)) return size;
   }
-  return bad_input(
-      fmt::format("--size {}: write WIDTHxHEIGHT, such as 1280x720, each from 16 to 8192", text));
+  return bad_input(fmt::format(
+      "--size {}: write WIDTHxHEIGHT, such as 1280x720, each even and from 16 to 8192", text));
 }
 
 /// The same view in another size: K with pixel centres at whole coordinates.

@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <memory>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -49,6 +52,30 @@ double rate_of(const std::vector<FrameStamp>& frames) {
 /// What the path waits for is all that a limited latency allows.
 Lookahead lookahead(const StabilizeRequest& request) {
   return request.latency ? Lookahead::nothing() : Lookahead::everything();
+}
+
+/// Three files of three names, none of which the recording is made of.
+Result<void> outputs_are_apart(const StabilizeRequest& request) {
+  const std::array<std::pair<std::string_view, std::filesystem::path>, 3> outputs = {
+      {{"-o", request.out}, {"--path-log", request.path_log}, {"--report", request.report}}};
+  constexpr std::array<std::string_view, 4> kLogs = {"session.toml", "frames.csv", "gyro.csv",
+                                                     "accel.csv"};
+  for (auto one = outputs.begin(); one != outputs.end(); ++one) {
+    if (one->second.empty()) continue;
+    const std::filesystem::path file = std::filesystem::weakly_canonical(one->second);
+    for (auto other = std::next(one); other != outputs.end(); ++other) {
+      if (!other->second.empty() && file == std::filesystem::weakly_canonical(other->second)) {
+        return bad_input(fmt::format("{} {}: {} is to be written there, too", other->first,
+                                     other->second.string(), one->first));
+      }
+    }
+    for (const std::string_view log : kLogs) {
+      if (file != std::filesystem::weakly_canonical(request.session / log)) continue;
+      return bad_input(fmt::format("{} {}: is a part of the recording; give another name",
+                                   one->first, one->second.string()));
+    }
+  }
+  return {};
 }
 
 /// One run: from the open session to the finished output.
@@ -171,12 +198,9 @@ void Job::measure_steadiness() {
 }
 
 Result<void> Job::open_streams() {
-  if (!request_.path_log.empty()) {
-    auto log = PathLog::open(request_.path_log);
-    if (!log) return tl::unexpected(log.error());
-    path_log_.emplace(std::move(*log));
-  }
-  if (!request_.report.empty() && !std::ofstream(request_.report)) {
+  if (auto apart = outputs_are_apart(request_); !apart) return apart;
+  // Not emptied before there is something to put in its place.
+  if (!request_.report.empty() && !std::ofstream(request_.report, std::ios::app)) {
     return bad_input(fmt::format("{}: cannot write the report (does the folder exist?)",
                                  request_.report.string()));
   }
@@ -197,6 +221,10 @@ Result<void> Job::open_streams() {
   auto sink = open_sink(request_.out, {format.size, format.fps, format.color}, audio());
   if (!sink) return tl::unexpected(sink.error());
   sink_ = std::move(*sink);
+  if (request_.path_log.empty()) return {};
+  auto log = PathLog::open(request_.path_log);
+  if (!log) return tl::unexpected(log.error());
+  path_log_.emplace(std::move(*log));
   return {};
 }
 

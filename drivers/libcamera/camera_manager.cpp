@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cstdlib>
 #include <mutex>
 #include <system_error>
 #include <utility>
@@ -10,11 +11,18 @@
 
 namespace gimbal {
 
+namespace {
+
+constexpr int kKeepWhatIsSet = 0;
+
+}  // namespace
+
 Result<std::shared_ptr<libcamera::CameraManager>> camera_manager() {
   static std::mutex mutex;
   static std::weak_ptr<libcamera::CameraManager> running;
   const std::lock_guard lock(mutex);
   if (auto manager = running.lock()) return manager;
+  setenv("LIBCAMERA_LOG_LEVELS", "ERROR", kKeepWhatIsSet);  // it tells all it does otherwise
   auto manager = std::make_unique<libcamera::CameraManager>();
   if (const int error = manager->start(); error != 0) {
     return failed("libcamera does not start: " + std::generic_category().message(-error));

@@ -22,9 +22,10 @@ std::string_view trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
 }
 
-/// A recording that was stopped by force ends in the middle of a line.
+/// A recording that was stopped by force ends in the middle of a line. A comma may end one: the
+/// last column may be empty.
 bool ends_inside_number(std::string_view line) {
-  return std::string_view("+-.,eE").find(line.back()) != std::string_view::npos;
+  return std::string_view("+-.eE").find(line.back()) != std::string_view::npos;
 }
 
 /// Opens what can be read to its end: a device or a pipe could keep us waiting for ever.
@@ -150,11 +151,13 @@ Result<std::optional<CsvRow>> CsvReader::next() {
   CsvRow row{line_number_, {}};
   for (std::size_t column = 0; column < positions_.size(); ++column) {
     const std::optional<std::size_t> position = positions_[column];
-    if (position && *position < all.size()) {
+    const bool is_required = column < columns_.required.size();
+    const bool is_there = position && *position < all.size();
+    ended_early_ = file_.eof() && is_required && (!is_there || all[*position].empty());
+    if (ended_early_) return std::optional<CsvRow>();
+    if (is_there) {
       row.fields.push_back(all[*position]);
-    } else if (column < columns_.required.size()) {
-      ended_early_ = file_.eof();
-      if (ended_early_) return std::optional<CsvRow>();
+    } else if (is_required) {
       return bad_input(fmt::format("{}, line {}: column {} is missing, found {}", path_.string(),
                                    line_number_, column_name(column), in_quotes(line_)));
     } else {

@@ -22,6 +22,8 @@ namespace {
 
 constexpr double kStandardGravity_m_s2 = 9.80665;
 constexpr int kLargestSide_px = 65535;
+/// A frame, and what rounding adds.
+constexpr double kLongestReadout_frames = 1.01;
 
 constexpr std::array<NamedValue<LensModel>, 3> kLensModels{{{"pinhole", LensModel::pinhole},
                                                             {"brown", LensModel::brown},
@@ -71,6 +73,10 @@ void read_K(TomlTable& table, CameraCalibration& camera) {
   }
 }
 
+bool is_inside(const Eigen::Matrix3d& K, ImageSize size) {
+  return K(0, 2) > 0 && K(0, 2) < size.width && K(1, 2) > 0 && K(1, 2) < size.height;
+}
+
 Result<void> read_camera(TomlTable& table, SessionToml& out) {
   CameraCalibration camera = read_camera_without_K(table);
   read_K(table, camera);
@@ -79,6 +85,18 @@ Result<void> read_camera(TomlTable& table, SessionToml& out) {
     out.warnings.emplace_back(
         "session.toml: camera.readout_s is 0 or not given: rows count as exposed at once; give the "
         "seconds that the sensor takes from its first row to its last");
+  }
+  if (camera.fps > 0 && to_seconds(camera.readout) * camera.fps > kLongestReadout_frames) {
+    out.warnings.push_back(fmt::format(
+        "session.toml: camera.readout_s is {}, longer than a frame at {} fps: no sensor reads so "
+        "slowly; is it in seconds?",
+        to_seconds(camera.readout), camera.fps));
+  }
+  if (table.has("K") && !is_inside(camera.lens.K, camera.size)) {
+    out.warnings.push_back(fmt::format(
+        "session.toml: camera.K has its centre at ({}, {}), outside the {}x{} picture: is K for "
+        "another size?",
+        camera.lens.K(0, 2), camera.lens.K(1, 2), camera.size.width, camera.size.height));
   }
   if (table.has("K")) {
     out.session.camera = std::move(camera);

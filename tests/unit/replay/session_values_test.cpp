@@ -35,6 +35,7 @@ TEST_P(Spelling, IsNoFault) {
   ASSERT_TRUE(session) << session.error().message;
   EXPECT_THAT(session->warnings, IsEmpty());
   const Result<Session> plain = open(good_session());
+  EXPECT_EQ(session->frames.size(), plain->frames.size());
   ASSERT_EQ(session->gyro.size(), plain->gyro.size());
   for (std::size_t i = 0; i < plain->gyro.size(); ++i) {
     ASSERT_EQ(session->gyro[i].time, plain->gyro[i].time);
@@ -54,6 +55,17 @@ INSTANTIATE_TEST_SUITE_P(
     Ways, Spelling,
     ::testing::Values(
         Fault{"crlf", [](Files& files) { with_line_ends(files, "\r\n"); }, {}},
+        Fault{"no_exposure_and_no_last_line_end",
+              [](Files& files) {
+                std::string text = "index,t_s,exposure_s\n";
+                const std::string& frames = files["frames.csv"];
+                for (const char c : frames.substr(frames.find('\n') + 1)) {
+                  text += c == '\n' ? ",\n" : std::string(1, c);
+                }
+                text.pop_back();
+                files["frames.csv"] = text;
+              },
+              {}},
         Fault{"byte_order_mark",
               [](Files& files) {
                 files["gyro.csv"].insert(0, "\xef\xbb\xbf");
