@@ -24,8 +24,9 @@ constexpr double kShareStep = 0.1;
 /// camera itself.
 constexpr std::array<double, 9> kHalfWidths_s = {1.2, 0.9, 0.7, 0.5, 0.37, 0.27, 0.2, 0.13, 0};
 
-/// How fast one low-pass may give way to the next, in steps a frame.
-constexpr double kLevelStep = 0.2;
+/// How fast one low-pass may give way to the next, in steps a frame: two thirds of a second at 30
+/// fps for each. A faster change is a jerk that the camera never made.
+constexpr double kLevelStep = 0.05;
 
 double needed(const WantedView& view, const Quaterniond& q_world_camera) {
   return view.required_zoom(q_world_camera) * kZoomMargin;

@@ -133,6 +133,56 @@ TEST(ViewLimiter, BringsBackLessShakeThanTurningEachFrameBackAlone) {
             rms_rate_above_rad_s(turned_alone, 4) / std::numbers::sqrt2);
 }
 
+/// Held almost still for some seconds, then swung up and down: steadied by far more than fits.
+std::vector<double> held_then_swung_rad() {
+  constexpr double kSwing_rad = 0.35;
+  std::vector<double> angles_rad;
+  for (int i = 0; i < 300; ++i) {
+    const double swung_s = std::max(0.0, i / 30.0 - 3);
+    angles_rad.push_back(0.02 * std::sin(i / 30.0) +
+                         kSwing_rad * (1 - std::cos(2 * std::numbers::pi * 0.6 * swung_s)));
+  }
+  return angles_rad;
+}
+
+/// The largest change of the rate from a frame to the next, in radians a frame.
+double largest_jerk_rad(const std::vector<double>& angles_rad) {
+  double largest = 0;
+  for (std::size_t i = 2; i < angles_rad.size(); ++i) {
+    largest =
+        std::max(largest, std::abs(angles_rad[i] - 2 * angles_rad[i - 1] + angles_rad[i - 2]));
+  }
+  return largest;
+}
+
+TEST(ViewLimiter, MovesNoMoreSuddenlyThanTheCameraDid) {
+  const std::vector<double> real_rad = held_then_swung_rad();
+  ViewLimiter limiter({1.05, 1.05}, std::nullopt);
+  auto path = make_hann_path(99, std::nullopt);
+  std::vector<FramePose> real;
+  for (std::size_t i = 0; i < real_rad.size(); ++i) {
+    const auto index = static_cast<std::int64_t>(i);
+    real.push_back(
+        {{index, time_from_seconds(static_cast<double>(i) / 30), std::nullopt}, yaw(real_rad[i])});
+    path->push(real.back());
+  }
+  path->finish();
+  for (const FramePose& pose : real) {
+    limiter.push({pose, path->pop()->q_world_camera, [pose](const Quaterniond& q) {
+                    return 1 + q.angularDistance(pose.q_world_camera);
+                  }});
+  }
+  limiter.finish();
+  std::vector<double> written_rad;
+  while (const auto view = limiter.pop()) {
+    const Quaterniond& q = view->steady.q_world_camera;
+    written_rad.push_back(2 * std::atan2(q.y(), q.w()));
+  }
+  ASSERT_EQ(written_rad.size(), real_rad.size());
+  constexpr double kUnseen = 1.1;
+  EXPECT_LE(largest_jerk_rad(written_rad), kUnseen * largest_jerk_rad(real_rad));
+}
+
 TEST(ViewLimiter, AFrameThatNothingFitsGetsItsRealView) {
   ViewLimiter limiter({1, 1}, std::nullopt);
   const auto views = run(limiter, {0.3});
