@@ -54,7 +54,7 @@ void read_choice(TomlTable& table, std::string_view key, const std::map<std::str
 
 /// What is named in a file lies beside it, or comes with the program.
 std::filesystem::path beside(const std::filesystem::path& file, const std::string& name) {
-  const std::filesystem::path near = file.parent_path() / name;
+  std::filesystem::path near = file.parent_path() / name;
   if (std::filesystem::exists(near)) return near;
   const std::filesystem::path brought = std::filesystem::path(GIMBALD_DATA) / name;
   return std::filesystem::exists(brought) ? brought : near;

@@ -13,6 +13,7 @@
 #include "daemon/live_pipeline.hpp"
 #include "daemon/live_sources.hpp"
 #include "daemon/service_notify.hpp"
+#include "drivers/clock/monotonic_now.hpp"
 
 namespace gimbal {
 namespace {
@@ -36,17 +37,33 @@ sigset_t block_signals() {
   return signals;
 }
 
-/// Until a signal or the pipeline's own end. The watchdog is fed only while frames come out.
-void wait_for_end(const LivePipeline& pipeline, const sigset_t& signals) {
+/// What does not fit is not taken: the daemon goes on as before.
+void reload(LivePipeline& pipeline, const std::vector<std::filesystem::path>& files) {
+  notify_service(fmt::format("RELOADING=1\nMONOTONIC_USEC={}",
+                             monotonic_now().time_since_epoch() / std::chrono::microseconds(1)));
+  if (const auto configuration = load_configuration(files)) {
+    pipeline.apply(configuration->stabilization);
+    log_line(LogLevel::info,
+             "reloaded: amount, path, latency, zoom and border are as the files say now; all else "
+             "from the next start on");
+  } else {
+    log_line(LogLevel::error, "not reloaded: " + configuration.error().message);
+  }
+  notify_service("READY=1");
+}
+
+/// Until a signal or the pipeline's own end. The watchdog is fed only while pictures come out.
+void wait_for_end(LivePipeline& pipeline, const sigset_t& signals,
+                  const std::vector<std::filesystem::path>& files) {
   const timespec look{0, std::chrono::nanoseconds(kLook).count()};
-  std::uint64_t frames_seen = 0;
+  std::uint64_t progress_seen = 0;
   while (!pipeline.has_ended()) {
     const int signal = sigtimedwait(&signals, nullptr, &look);
     if (signal == SIGINT || signal == SIGTERM) return;
-    if (signal == SIGHUP) log_line(LogLevel::warning, "reloading is not possible yet: restart");
+    if (signal == SIGHUP) reload(pipeline, files);
+    if (pipeline.progress() == progress_seen) continue;
+    progress_seen = pipeline.progress();
     const LiveCounts counts = pipeline.counts();
-    if (counts.frames_out == frames_seen) continue;
-    frames_seen = counts.frames_out;
     notify_service(fmt::format("WATCHDOG=1\nSTATUS={} frames in, {} out", counts.frames_in,
                                counts.frames_out));
   }
@@ -71,7 +88,7 @@ void log_summary(const LivePipeline& pipeline) {
   }
 }
 
-int run(const Configuration& configuration) {
+int run(const Configuration& configuration, const std::vector<std::filesystem::path>& files) {
   const sigset_t signals = block_signals();
   auto sources = open_sources(configuration);
   if (!sources) return report(sources.error());
@@ -79,7 +96,7 @@ int run(const Configuration& configuration) {
       LivePipeline::start(std::move(*sources), configuration.stabilization, configuration.outputs);
   if (!pipeline) return report(pipeline.error());
   notify_service("READY=1");
-  wait_for_end(**pipeline, signals);
+  wait_for_end(**pipeline, signals, files);
   notify_service("STOPPING=1");
   (*pipeline)->stop();
   log_summary(**pipeline);
@@ -111,7 +128,7 @@ int main_of(int argc, char** argv) {
   }
   const auto configuration = load_configuration(files);
   if (!configuration) return report(configuration.error());
-  return check_only ? 0 : run(*configuration);
+  return check_only ? 0 : run(*configuration, files);
 }
 
 }  // namespace

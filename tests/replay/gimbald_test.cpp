@@ -115,6 +115,30 @@ TEST_F(Gimbald, TheExamplesAreSound) {
   }
 }
 
+TEST_F(Gimbald, TakesOverChangesOnSighupAndRefusesBrokenOnes) {
+  const auto simulated =
+      test::run_program({GIMBALCTL, "simulate", "-o", path("session"), "--size", "320x240",
+                         "--duration", "1", "--motion", "walk", "--quiet"},
+                        kLimit_s);
+  ASSERT_EQ(simulated.exit_status, 0) << simulated.standard_error;
+  folder_.write("run.toml", "outputs = [\"" + path("out.y4m") + "\"]\n[replay]\nsession = \"" +
+                                path("session") + "\"\n");
+  folder_.write("more.toml", "");
+  const std::string script =
+      "\"$0\" --config run.toml --config more.toml & daemon=$!; sleep 1\n"
+      "echo '[stabilization]\namount = 5' > more.toml; kill -HUP $daemon; sleep 0.5\n"
+      "echo '[stabilization]\namount = 0.5' > more.toml; kill -HUP $daemon; sleep 0.5\n"
+      "kill -TERM $daemon; wait $daemon";
+  const auto ran = test::run_program(
+      {"sh", "-c", "cd '" + folder_.path().string() + "'\n" + script, GIMBALD}, kLimit_s);
+  EXPECT_EQ(ran.exit_status, 0) << ran.standard_error;
+  EXPECT_THAT(
+      ran.standard_error,
+      HasSubstr("not reloaded: more.toml, line 2: stabilization.amount must be from 0 to 1"));
+  EXPECT_THAT(ran.standard_error, HasSubstr("reloaded: amount"));
+  EXPECT_THAT(ran.standard_error, HasSubstr("0 dropped for want of orientation"));
+}
+
 TEST_F(Gimbald, ASessionThatIsNotThereIsBadInput) {
   const auto started = run("outputs = [\"-\"]\n[replay]\nsession = \"" + path("none") + "\"\n");
   EXPECT_EQ(started.exit_status, 2);
