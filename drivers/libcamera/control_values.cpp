@@ -98,8 +98,9 @@ Result<libcamera::ControlList> control_list(
     const std::map<std::string, std::vector<double>>& values) {
   libcamera::ControlList list(known);
   for (const auto& [name, numbers] : values) {
-    const auto found = std::find_if(known.begin(), known.end(),
-                                    [&](const auto& entry) { return entry.first->name() == name; });
+    const auto found =
+        std::find_if(known.begin(), known.end(),
+                     [&wanted = name](const auto& entry) { return entry.first->name() == wanted; });
     if (found == known.end()) {
       std::vector<std::string> names;
       for (const auto& [id, info] : known) names.push_back(id->name());

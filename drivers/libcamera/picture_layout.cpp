@@ -73,7 +73,7 @@ const std::vector<KnownLibcameraFormat>& known_libcamera_formats() {
 
 std::string colorimetry_of(const std::optional<ColorSpace>& space) {
   if (!space || space->primaries == ColorSpace::Primaries::Raw) return {};
-  const std::string numbers =
+  std::string numbers =
       fmt::format("{}:{}:{}:{}", range_number(space->range), matrix_number(space->ycbcrEncoding),
                   transfer_number(space->transferFunction), primaries_number(space->primaries));
   if (numbers == "2:3:5:1") return "bt709";

@@ -18,8 +18,8 @@ enum class LibcameraLayout : std::uint8_t { nv12, yuv420, bgr_bytes, rgb_bytes }
 
 struct KnownLibcameraFormat {
   libcamera::PixelFormat format;
-  LibcameraLayout layout;
-  const char* name;  ///< its fourcc
+  LibcameraLayout layout = LibcameraLayout::nv12;
+  const char* name = "";  ///< its fourcc
 };
 
 /// In the order of the work that they make.

@@ -141,7 +141,7 @@ void convert_packed_422(ConstPlane source, Packing422 packing, Nv12Buffer& pictu
     const std::uint8_t* lower =
         row_of(source, std::min(2 * y + 1, size.height - 1)) + layout.chroma;
     std::uint8_t* out = row_of(picture.chroma(), y);
-    for (std::ptrdiff_t x = 0; x < 2 * chroma.width; ++x)
+    for (std::ptrdiff_t x = 0; x < std::ptrdiff_t{2} * chroma.width; ++x)
       out[x] = average(upper[2 * x], lower[2 * x]);
   }
 }
