@@ -8,7 +8,7 @@
 
 #include "daemon/journal.hpp"
 #include "daemon/no_signal.hpp"
-#include "drivers/replay/paced_replay.hpp"
+#include "drivers/clock/monotonic_now.hpp"
 
 namespace gimbal {
 namespace {
@@ -55,11 +55,9 @@ Result<std::unique_ptr<LivePipeline>> LivePipeline::start(LiveSources sources,
                                        make_path(settings, usual_fps(sources.camera_calibration)),
                                        stabilizer_options(settings));
   if (!stabilizer) return tl::unexpected(stabilizer.error());
-  if (auto started = sources.camera->start(); !started) return tl::unexpected(started.error());
-  if (sources.camera->format().size != sources.camera_calibration.size) {
+  if (sources.format.size != sources.camera_calibration.size) {
     return bad_input("the camera delivers another size of picture than its calibration is for");
   }
-  sources.camera->stop();
   std::unique_ptr<LivePipeline> pipeline(
       new LivePipeline(std::move(sources), std::move(*stabilizer), settings, outputs, observer));
   if (auto started = pipeline->start_threads(); !started) return tl::unexpected(started.error());
@@ -85,6 +83,7 @@ LivePipeline::LivePipeline(LiveSources sources, Stabilizer stabilizer,
                            const std::vector<std::string>& outputs, SourceObserver* observer)
     : camera_("camera", std::move(sources.camera)),
       imu_("imu", std::move(sources.imu)),
+      format_(sources.format),
       calibration_(sources.camera_calibration),
       observer_(observer),
       inflow_(kHeldInflow),
@@ -93,7 +92,7 @@ LivePipeline::LivePipeline(LiveSources sources, Stabilizer stabilizer,
       stabilizer_(std::move(stabilizer)),
       aligner_(sources.accelerometer, kLiveAligner) {
   for (const std::string& output : outputs) {
-    outputs_.push_back(std::make_unique<Output>(output, camera_.source().format().fps));
+    outputs_.push_back(std::make_unique<Output>(output, format_.fps));
   }
 }
 
@@ -307,7 +306,8 @@ Result<VideoFrame> LivePipeline::draw_one(std::unique_ptr<Warper>& warper, const
 
 /// Stamped as late as a frame would be that is drawn now.
 void LivePipeline::draw_no_signal() {
-  VideoFrame picture = no_signal_picture(calibration_.size, camera_.source().format().color);
+  if (!no_signal_) no_signal_ = no_signal_picture(format_.size, format_.color);
+  VideoFrame picture = *no_signal_;
   picture.stamp.time = monotonic_now() - age().median;
   ++no_signal_pictures_;
   show(std::move(picture));

@@ -28,6 +28,7 @@ namespace gimbal {
 struct LiveSources {
   std::unique_ptr<CameraSource> camera;
   std::unique_ptr<ImuSource> imu;
+  CameraFormat format;  ///< what the camera delivers once it is started
   CameraCalibration camera_calibration;
   ImuCalibration imu_calibration;
   Accelerometer accelerometer = Accelerometer::present;
@@ -159,6 +160,7 @@ class LivePipeline {
 
   RevivedSource<CameraSource, VideoFrame> camera_;
   RevivedSource<ImuSource, ImuReading> imu_;
+  const CameraFormat format_;
   const CameraCalibration calibration_;
   SourceObserver* const observer_;
   std::vector<std::unique_ptr<Output>> outputs_;
@@ -176,6 +178,7 @@ class LivePipeline {
   int sources_running_ = 2;
 
   // Used by `draw` alone.
+  std::optional<VideoFrame> no_signal_;  ///< drawn when it is first wanted
   std::optional<SensorTime> last_shown_;
 
   std::atomic<std::uint64_t> frames_in_ = 0;

@@ -51,21 +51,21 @@ Result<void> fit_to(ImageSize size, CameraCalibration& camera) {
   return {};
 }
 
+/// What the calibration file says, or nothing where none is named.
 Result<Session> read_calibration(const std::filesystem::path& file) {
+  if (file.empty()) return Session();
   auto toml = read_session_toml(file);
   if (!toml) return tl::unexpected(toml.error());
   for (const std::string& warning : toml->warnings) log_line(LogLevel::warning, warning);
+  if (!toml->session.camera) return bad_input(file.string() + ": no K under [camera]");
   return std::move(toml->session);
 }
 
-Result<CameraCalibration> lens_for(const CameraFormat& format,
+Result<CameraCalibration> lens_for(const CameraFormat& format, const Session& known,
                                    const CalibrationSettings& settings) {
   CameraCalibration camera;
-  if (!settings.file.empty()) {
-    const auto session = read_calibration(settings.file);
-    if (!session) return tl::unexpected(session.error());
-    if (!session->camera) return bad_input(settings.file.string() + ": no K under [camera]");
-    camera = *session->camera;
+  if (known.camera) {
+    camera = *known.camera;
     if (auto fitted = fit_to(format.size, camera); !fitted) return tl::unexpected(fitted.error());
     return camera;
   }
@@ -76,19 +76,36 @@ Result<CameraCalibration> lens_for(const CameraFormat& format,
   }
   camera.size = format.size;
   camera.lens = lens_of_view(format.size, *settings.horizontal_fov_deg);
+  camera.readout = format.readout.value_or(SensorDuration::zero());
+  camera.timestamp = format.timestamp.value_or(TimestampReference::readout_start);
   return camera;
 }
 
-Result<ImuCalibration> imu_calibration(const CalibrationSettings& settings) {
-  ImuCalibration imu;
-  if (!settings.file.empty()) {
-    const auto session = read_calibration(settings.file);
-    if (!session) return tl::unexpected(session.error());
-    imu = session->imu;
-  }
+ImuCalibration imu_calibration(const Session& known, const CalibrationSettings& settings) {
+  ImuCalibration imu = known.imu;
   if (settings.R_camera_imu) imu.R_camera_imu = *settings.R_camera_imu;
   if (settings.imu_delay) imu.delay = settings.imu_delay;
   return imu;
+}
+
+Result<CameraCalibration> camera_calibration(const CameraFormat& format, const Session& known,
+                                             const CalibrationSettings& settings) {
+  auto camera = lens_for(format, known, settings);
+  if (!camera) return camera;
+  camera->fps = format.fps;
+  if (settings.readout) camera->readout = *settings.readout;
+  if (settings.readout_direction) camera->readout_direction = *settings.readout_direction;
+  if (settings.time_offset) camera->time_offset = *settings.time_offset;
+  if (settings.timestamp) camera->timestamp = *settings.timestamp;
+  return camera;
+}
+
+/// Only a camera that runs tells what it delivers.
+Result<CameraFormat> format_of(CameraSource& camera) {
+  if (auto started = camera.start(); !started) return tl::unexpected(started.error());
+  CameraFormat format = camera.format();
+  camera.stop();
+  return format;
 }
 
 /// Frames that wait for the path lie in the device's own buffers, as long as there are enough.
@@ -102,28 +119,28 @@ CameraSettings with_room_for_latency(const Configuration& configuration) {
 }
 
 Result<LiveSources> open_devices(const Configuration& configuration) {
-  LiveSources sources;
-  auto imu = imu_calibration(configuration.calibration);
-  if (!imu) return tl::unexpected(imu.error());
-  sources.imu_calibration = *imu;
+  const auto known = read_calibration(configuration.calibration.file);
+  if (!known) return tl::unexpected(known.error());
   auto camera = open_camera(with_room_for_latency(configuration));
   if (!camera) return tl::unexpected(camera.error());
-  if (auto started = (*camera)->start(); !started) return tl::unexpected(started.error());
-  const CameraFormat format = (*camera)->format();
-  for (const std::string& warning : format.warnings) log_line(LogLevel::warning, warning);
-  auto calibration = calibration_for(format, configuration.calibration);
-  (*camera)->stop();
+  auto imu = open_imu(configuration.imu);
+  if (!imu) return tl::unexpected(imu.error());
+  const auto format = format_of(**camera);
+  if (!format) return tl::unexpected(format.error());
+  for (const std::string& warning : format->warnings) log_line(LogLevel::warning, warning);
+  const auto calibration = camera_calibration(*format, *known, configuration.calibration);
   if (!calibration) return tl::unexpected(calibration.error());
   if (calibration->readout == SensorDuration::zero()) {
     log_line(LogLevel::warning,
              "the time that the sensor takes from its first row to its last is not known, so rows "
              "count as exposed at once: give readout_s under [camera]");
   }
+  LiveSources sources;
   sources.camera = std::move(*camera);
+  sources.imu = std::move(*imu);
+  sources.format = *format;
   sources.camera_calibration = *calibration;
-  auto source = open_imu(configuration.imu);
-  if (!source) return tl::unexpected(source.error());
-  sources.imu = std::move(*source);
+  sources.imu_calibration = imu_calibration(*known, configuration.calibration);
   const bool has_no_accel =
       configuration.imu.driver == ImuDriver::iio && configuration.imu.iio.accel_device == "none";
   if (has_no_accel) sources.accelerometer = Accelerometer::absent;
@@ -144,6 +161,9 @@ Result<LiveSources> open_recording(const ReplaySettings& replay) {
   LiveSources sources;
   sources.camera = std::make_unique<PacedCamera>(*session, timeline, replay.repeat);
   sources.imu = std::make_unique<PacedImu>(*session, timeline, replay.repeat);
+  auto format = format_of(*sources.camera);
+  if (!format) return tl::unexpected(format.error());
+  sources.format = *std::move(format);
   sources.camera_calibration = *session->camera;
   sources.imu_calibration = session->imu;
   sources.accelerometer = session->accel.empty() ? Accelerometer::absent : Accelerometer::present;
@@ -154,18 +174,9 @@ Result<LiveSources> open_recording(const ReplaySettings& replay) {
 
 Result<CameraCalibration> calibration_for(const CameraFormat& format,
                                           const CalibrationSettings& settings) {
-  auto camera = lens_for(format, settings);
-  if (!camera) return camera;
-  camera->fps = format.fps;
-  if (settings.file.empty()) {
-    camera->readout = format.readout.value_or(SensorDuration::zero());
-    camera->timestamp = format.timestamp.value_or(TimestampReference::readout_start);
-  }
-  if (settings.readout) camera->readout = *settings.readout;
-  if (settings.readout_direction) camera->readout_direction = *settings.readout_direction;
-  if (settings.time_offset) camera->time_offset = *settings.time_offset;
-  if (settings.timestamp) camera->timestamp = *settings.timestamp;
-  return camera;
+  const auto known = read_calibration(settings.file);
+  if (!known) return tl::unexpected(known.error());
+  return camera_calibration(format, *known, settings);
 }
 
 Result<LiveSources> open_sources(const Configuration& configuration) {

@@ -67,8 +67,6 @@ class RevivedSource {
     return status_;
   }
 
-  [[nodiscard]] const Source& source() const { return *source_; }
-
  private:
   static constexpr std::chrono::milliseconds kFirstPause{250};
   static constexpr std::chrono::milliseconds kLongestPause{8000};

@@ -109,6 +109,7 @@ class LivePipelineTest : public ::testing::Test {
     LiveSources sources;
     sources.camera = std::make_unique<FakeCamera>(camera_);
     sources.imu = std::make_unique<FakeImu>(imu_);
+    sources.format = {kSize, kFps, {}};
     sources.camera_calibration.size = kSize;
     sources.camera_calibration.fps = kFps;
     sources.camera_calibration.lens.K << 60, 0, 31.5, 0, 60, 23.5, 0, 0, 1;
