@@ -59,6 +59,13 @@ Result<void> I2cDevice::write(std::uint8_t first_register, std::uint8_t value) {
   return {};
 }
 
+Result<void> I2cDevice::write_all(std::span<const RegisterValue> values) {
+  for (const RegisterValue& one : values) {
+    if (auto done = write(one.at, one.value); !done) return done;
+  }
+  return {};
+}
+
 Result<void> I2cDevice::read(std::uint8_t first_register, std::span<std::uint8_t> values) {
   const int failure = try_some_times([&] { return transfer_read(first_register, values); });
   if (failure != 0) return tl::unexpected(error("read", first_register, failure));

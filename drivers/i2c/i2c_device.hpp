@@ -23,6 +23,12 @@ struct I2cAddress {
 /// Reads "/dev/i2c-1:0x68".
 [[nodiscard]] Result<I2cAddress> parse_i2c_address(const std::string& text);
 
+/// What is to be written where.
+struct RegisterValue {
+  std::uint8_t at;
+  std::uint8_t value;
+};
+
 /// The registers of a chip on an I²C bus. What a disturbed bus refuses is tried again a few times;
 /// what then still fails is an error.
 class I2cDevice {
@@ -35,6 +41,8 @@ class I2cDevice {
   [[nodiscard]] const std::string& title() const { return title_; }
 
   [[nodiscard]] Result<void> write(std::uint8_t first_register, std::uint8_t value);
+  /// One after the other; ends at the first that fails.
+  [[nodiscard]] Result<void> write_all(std::span<const RegisterValue> values);
   [[nodiscard]] Result<void> read(std::uint8_t first_register, std::span<std::uint8_t> values);
   [[nodiscard]] Result<std::uint8_t> read_byte(std::uint8_t first_register);
 

@@ -59,6 +59,10 @@ class ImuChip {
 [[nodiscard]] Eigen::Vector3d big_endian_axes(const std::uint8_t* bytes);
 [[nodiscard]] Eigen::Vector3d little_endian_axes(const std::uint8_t* bytes);
 
+/// A chip's numbers where the whole of 16 bits is the range that was set, high byte first.
+[[nodiscard]] ChipReading full_scale_reading(const I2cImuSettings& settings,
+                                             const std::uint8_t* accel, const std::uint8_t* gyro);
+
 /// Radians per second from degrees per second.
 inline constexpr double kRadiansPerDegree = 0.017453292519943295;
 /// The standard's acceleration of gravity, which data sheets mean by g.

@@ -6,7 +6,7 @@
 #include <thread>
 #include <utility>
 
-#include "drivers/i2c/chip_imu.hpp"
+#include "drivers/i2c/open_chip.hpp"
 #include "drivers/i2c/probe.hpp"
 #include "drivers/i2c_icm42688/icm42688_registers.hpp"
 
@@ -55,8 +55,6 @@ class Icm42688 final : public ImuChip {
   [[nodiscard]] Result<ChipReading> read_latest() override;
 
  private:
-  [[nodiscard]] ChipReading reading(const std::uint8_t* accel, const std::uint8_t* gyro) const;
-
   std::unique_ptr<I2cDevice> device_;
   I2cImuSettings settings_;
   Rate rate_;
@@ -69,7 +67,7 @@ Result<void> Icm42688::configure() {
   std::this_thread::sleep_for(milliseconds(2));
   const auto gyro = settings_.gyro_range == GyroRange::dps_2000 ? 0x00 : 0x20;
   const auto accel = settings_.accel_range == AccelRange::g_16 ? 0x00 : 0x20;
-  const std::array<std::pair<std::uint8_t, std::uint8_t>, 7> values{
+  const std::array<RegisterValue, 7> values{
       {{kInterface0, kInterface0Records},
        {kInterruptPin, kPinPulsed},
        {kInterruptConfig1, 0},  // INT_ASYNC_RESET must be cleared, says the data sheet
@@ -77,9 +75,7 @@ Result<void> Icm42688::configure() {
        {kGyroConfig, static_cast<std::uint8_t>(gyro | rate_.code)},
        {kAccelConfig, static_cast<std::uint8_t>(accel | rate_.code)},
        {kPower, kPowerLowNoise}}};
-  for (const auto& [at, value] : values) {
-    if (auto done = device_->write(at, value); !done) return done;
-  }
+  if (auto done = device_->write_all(values); !done) return done;
   std::this_thread::sleep_for(milliseconds(50));  // gyroscope start-up, and no writes meanwhile
   return {};
 }
@@ -104,34 +100,25 @@ Result<std::vector<std::optional<ChipReading>>> Icm42688::read_fifo(std::size_t 
     const bool is_expected = (packet[0] & (kHeaderEmpty | kHeaderKinds)) == kHeaderGyroAccel;
     if (!is_expected) return failed(title() + ": a packet of the FIFO has an unknown header");
     const bool is_valid = (big_endian_axes(packet + 7).array() != kInvalid).all();
-    readings.push_back(is_valid ? std::optional(reading(packet + 1, packet + 7)) : std::nullopt);
+    readings.push_back(is_valid
+                           ? std::optional(full_scale_reading(settings_, packet + 1, packet + 7))
+                           : std::nullopt);
   }
   return readings;
 }
 
 Result<void> Icm42688::restart_fifo() {
-  const std::array<std::pair<std::uint8_t, std::uint8_t>, 4> values{
-      {{kFifoMode, kFifoBypass},
-       {kSignalPath, kSignalPathFlush},
-       {kFifoSources, kFifoPackets},
-       {kFifoMode, kFifoStream}}};
-  for (const auto& [at, value] : values) {
-    if (auto done = device_->write(at, value); !done) return done;
-  }
-  return {};
+  const std::array<RegisterValue, 4> values{{{kFifoMode, kFifoBypass},
+                                             {kSignalPath, kSignalPathFlush},
+                                             {kFifoSources, kFifoPackets},
+                                             {kFifoMode, kFifoStream}}};
+  return device_->write_all(values);
 }
 
 Result<ChipReading> Icm42688::read_latest() {
   std::array<std::uint8_t, 12> bytes{};
   if (auto got = device_->read(kData, bytes); !got) return tl::unexpected(got.error());
-  return reading(bytes.data(), &bytes[6]);
-}
-
-ChipReading Icm42688::reading(const std::uint8_t* accel, const std::uint8_t* gyro) const {
-  const double full_dps = settings_.gyro_range == GyroRange::dps_2000 ? 2000 : 1000;
-  const double full_g = settings_.accel_range == AccelRange::g_16 ? 16 : 8;
-  return {big_endian_axes(gyro) * (full_dps / 32768 * kRadiansPerDegree),
-          big_endian_axes(accel) * (full_g / 32768 * kGravity_m_s2)};
+  return full_scale_reading(settings_, bytes.data(), &bytes[6]);
 }
 
 }  // namespace
@@ -143,12 +130,7 @@ std::unique_ptr<ImuChip> make_icm42688(std::unique_ptr<I2cDevice> device,
 
 Result<std::unique_ptr<ImuSource>> open_i2c_icm42688(const I2cImuSettings& settings,
                                                      std::unique_ptr<EdgeSource> data_ready) {
-  if (auto good = check_settings(settings); !good) return tl::unexpected(good.error());
-  auto device = open_i2c_device(settings.address);
-  if (!device) return tl::unexpected(device.error());
-  if (const auto name = identify(**device, kFamily); !name) return tl::unexpected(name.error());
-  return make_chip_imu(make_icm42688(*std::move(device), settings), settings,
-                       std::move(data_ready));
+  return open_chip(kFamily, make_icm42688, settings, std::move(data_ready));
 }
 
 std::vector<DeviceReport> list_i2c_icm42688() {

@@ -6,7 +6,7 @@
 #include <thread>
 #include <utility>
 
-#include "drivers/i2c/chip_imu.hpp"
+#include "drivers/i2c/open_chip.hpp"
 #include "drivers/i2c/probe.hpp"
 #include "drivers/i2c_lsm6dso/lsm6dso_registers.hpp"
 
@@ -65,16 +65,14 @@ Result<void> Lsm6dso::configure() {
   const auto rate = static_cast<std::uint8_t>(rate_code_ << 4U);
   const auto gyro_range = settings_.gyro_range == GyroRange::dps_2000 ? 0x0C : 0x08;
   const auto accel_range = settings_.accel_range == AccelRange::g_16 ? 0x04 : 0x0C;
-  const std::array<std::pair<std::uint8_t, std::uint8_t>, 6> values{
+  const std::array<RegisterValue, 6> values{
       {{kControl3, kControl3Normal},
        {kPulsedReady, kPulsedReadyOn},
        {kInterrupt1, kInterrupt1Gyro},
        {kFifoMode, kFifoBypass},
        {kAccelControl, static_cast<std::uint8_t>(rate | accel_range)},
        {kGyroControl, static_cast<std::uint8_t>(rate | gyro_range)}}};
-  for (const auto& [at, value] : values) {
-    if (auto done = device_->write(at, value); !done) return done;
-  }
+  if (auto done = device_->write_all(values); !done) return done;
   // Until both run the FIFO is off, so that gyroscope and accelerometer come in pairs.
   std::this_thread::sleep_for(milliseconds(100));
   return {};
@@ -115,12 +113,9 @@ Result<void> Lsm6dso::read_words(std::vector<std::uint8_t>& bytes) {
 
 Result<void> Lsm6dso::restart_fifo() {
   const auto rates = static_cast<std::uint8_t>(rate_code_ << 4U | rate_code_);
-  const std::array<std::pair<std::uint8_t, std::uint8_t>, 3> values{
+  const std::array<RegisterValue, 3> values{
       {{kFifoMode, kFifoBypass}, {kFifoRates, rates}, {kFifoMode, kFifoContinuous}}};
-  for (const auto& [at, value] : values) {
-    if (auto done = device_->write(at, value); !done) return done;
-  }
-  return {};
+  return device_->write_all(values);
 }
 
 Result<ChipReading> Lsm6dso::read_latest() {
@@ -150,11 +145,7 @@ std::unique_ptr<ImuChip> make_lsm6dso(std::unique_ptr<I2cDevice> device,
 
 Result<std::unique_ptr<ImuSource>> open_i2c_lsm6dso(const I2cImuSettings& settings,
                                                     std::unique_ptr<EdgeSource> data_ready) {
-  if (auto good = check_settings(settings); !good) return tl::unexpected(good.error());
-  auto device = open_i2c_device(settings.address);
-  if (!device) return tl::unexpected(device.error());
-  if (const auto name = identify(**device, kFamily); !name) return tl::unexpected(name.error());
-  return make_chip_imu(make_lsm6dso(*std::move(device), settings), settings, std::move(data_ready));
+  return open_chip(kFamily, make_lsm6dso, settings, std::move(data_ready));
 }
 
 std::vector<DeviceReport> list_i2c_lsm6dso() {

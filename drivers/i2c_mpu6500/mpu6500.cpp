@@ -9,7 +9,7 @@
 #include <thread>
 #include <utility>
 
-#include "drivers/i2c/chip_imu.hpp"
+#include "drivers/i2c/open_chip.hpp"
 #include "drivers/i2c/probe.hpp"
 #include "drivers/i2c_mpu6500/mpu6500_registers.hpp"
 
@@ -55,8 +55,6 @@ class Mpu6500 final : public ImuChip {
   [[nodiscard]] Result<void> identify_chip();
   [[nodiscard]] Result<void> set_ranges();
   [[nodiscard]] std::uint8_t filter_bits() const;
-  [[nodiscard]] ChipReading reading(const std::uint8_t* accel, const std::uint8_t* gyro) const;
-
   std::unique_ptr<I2cDevice> device_;
   I2cImuSettings settings_;
   int divisor_;
@@ -85,16 +83,14 @@ Result<void> Mpu6500::identify_chip() {
 Result<void> Mpu6500::set_ranges() {
   const std::uint8_t gyro = settings_.gyro_range == GyroRange::dps_2000 ? 0x18 : 0x10;
   const std::uint8_t accel = settings_.accel_range == AccelRange::g_16 ? 0x18 : 0x10;
-  const std::array<std::pair<std::uint8_t, std::uint8_t>, 6> values{
+  const std::array<RegisterValue, 6> values{
       {{kFilter, filter_bits()},
        {kRateDivider, static_cast<std::uint8_t>(divisor_ - 1)},
        {kGyroConfig, gyro},
        {kAccelConfig, accel},
        {kInterruptPin, 0},  // pulses of 50 µs, rising
        {kInterruptEnable, kInterruptDataReady}}};
-  for (const auto& [at, value] : values) {
-    if (auto done = device_->write(at, value); !done) return done;
-  }
+  if (auto done = device_->write_all(values); !done) return done;
   if (!is_6050_) {
     if (auto done = device_->write(kAccelFilter, filter_bits()); !done) return done;
   }
@@ -136,34 +132,23 @@ Result<std::vector<std::optional<ChipReading>>> Mpu6500::read_fifo(std::size_t s
   std::vector<std::optional<ChipReading>> readings;
   for (std::size_t i = 0; i < samples; ++i) {
     const std::uint8_t* frame = &bytes[i * kFrame];
-    readings.emplace_back(reading(frame, frame + 6));
+    readings.emplace_back(full_scale_reading(settings_, frame, frame + 6));
   }
   return readings;
 }
 
 Result<void> Mpu6500::restart_fifo() {
-  const std::array<std::pair<std::uint8_t, std::uint8_t>, 4> values{
-      {{kFifoSources, 0},
-       {kUserControl, kUserFifoReset},
-       {kUserControl, kUserFifoOn},
-       {kFifoSources, kFifoGyroAccel}}};
-  for (const auto& [at, value] : values) {
-    if (auto done = device_->write(at, value); !done) return done;
-  }
-  return {};
+  const std::array<RegisterValue, 4> values{{{kFifoSources, 0},
+                                             {kUserControl, kUserFifoReset},
+                                             {kUserControl, kUserFifoOn},
+                                             {kFifoSources, kFifoGyroAccel}}};
+  return device_->write_all(values);
 }
 
 Result<ChipReading> Mpu6500::read_latest() {
   std::array<std::uint8_t, 14> bytes{};
   if (auto got = device_->read(kData, bytes); !got) return tl::unexpected(got.error());
-  return reading(bytes.data(), &bytes[8]);
-}
-
-ChipReading Mpu6500::reading(const std::uint8_t* accel, const std::uint8_t* gyro) const {
-  const double full_dps = settings_.gyro_range == GyroRange::dps_2000 ? 2000 : 1000;
-  const double full_g = settings_.accel_range == AccelRange::g_16 ? 16 : 8;
-  return {big_endian_axes(gyro) * (full_dps / 32768 * kRadiansPerDegree),
-          big_endian_axes(accel) * (full_g / 32768 * kGravity_m_s2)};
+  return full_scale_reading(settings_, bytes.data(), &bytes[8]);
 }
 
 }  // namespace
@@ -175,11 +160,7 @@ std::unique_ptr<ImuChip> make_mpu6500(std::unique_ptr<I2cDevice> device,
 
 Result<std::unique_ptr<ImuSource>> open_i2c_mpu6500(const I2cImuSettings& settings,
                                                     std::unique_ptr<EdgeSource> data_ready) {
-  if (auto good = check_settings(settings); !good) return tl::unexpected(good.error());
-  auto device = open_i2c_device(settings.address);
-  if (!device) return tl::unexpected(device.error());
-  if (const auto name = identify(**device, kFamily); !name) return tl::unexpected(name.error());
-  return make_chip_imu(make_mpu6500(*std::move(device), settings), settings, std::move(data_ready));
+  return open_chip(kFamily, make_mpu6500, settings, std::move(data_ready));
 }
 
 std::vector<DeviceReport> list_i2c_mpu6500() {
