@@ -65,11 +65,9 @@ Result<void> write_report(const StabilizeReport& report, const std::filesystem::
   // Names of files need not be UTF-8: what is not is replaced rather than refused.
   stream << to_json(report).dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
   stream.close();
-  if (!stream) {
-    return bad_input(
-        fmt::format("{}: cannot write the report (does the folder exist?)", file.string()));
-  }
-  return {};
+  if (stream) return {};
+  return failed(
+      fmt::format("{}: the report could not be written; is the disk full?", file.string()));
 }
 
 }  // namespace gimbal

@@ -343,7 +343,8 @@ void Job::add_to_session() {
   fs::create_directory(listed.parent_path(), error);
   if (!fs::equivalent(video.parent_path(), listed.parent_path(), error)) {
     if (fs::is_symlink(listed, error)) fs::remove(listed, error);
-    fs::create_symlink(video, listed, error);
+    // Relative, so that it holds where session and video are moved together.
+    fs::create_symlink(fs::proximate(video, listed.parent_path(), error), listed, error);
   }
   if (!error) (void)write_report(report_, report_beside(listed));
 }

@@ -1,5 +1,7 @@
 #include "drivers/i2c/imu_chip.hpp"
 
+#include "pipeline/sample/imu_sample.hpp"
+
 namespace gimbal {
 namespace {
 
@@ -22,7 +24,7 @@ ChipReading full_scale_reading(const I2cImuSettings& settings, const std::uint8_
   const double full_dps = settings.gyro_range == GyroRange::dps_2000 ? 2000 : 1000;
   const double full_g = settings.accel_range == AccelRange::g_16 ? 16 : 8;
   return {big_endian_axes(gyro) * (full_dps / 32768 * kRadiansPerDegree),
-          big_endian_axes(accel) * (full_g / 32768 * kGravity_m_s2)};
+          big_endian_axes(accel) * (full_g / 32768 * kStandardGravity_m_s2)};
 }
 
 }  // namespace gimbal

@@ -65,7 +65,5 @@ class ImuChip {
 
 /// Radians per second from degrees per second.
 inline constexpr double kRadiansPerDegree = 0.017453292519943295;
-/// The standard's acceleration of gravity, which data sheets mean by g.
-inline constexpr double kGravity_m_s2 = 9.80665;
 
 }  // namespace gimbal

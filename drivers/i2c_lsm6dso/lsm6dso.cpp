@@ -9,6 +9,7 @@
 #include "drivers/i2c/open_chip.hpp"
 #include "drivers/i2c/probe.hpp"
 #include "drivers/i2c_lsm6dso/lsm6dso_registers.hpp"
+#include "pipeline/sample/imu_sample.hpp"
 
 namespace gimbal {
 namespace {
@@ -133,7 +134,7 @@ Eigen::Vector3d Lsm6dso::gyro(const std::uint8_t* bytes) const {
 /// 0.488 mg a bit at 16 g.
 Eigen::Vector3d Lsm6dso::accel(const std::uint8_t* bytes) const {
   const double g = settings_.accel_range == AccelRange::g_16 ? 0.488e-3 : 0.244e-3;
-  return little_endian_axes(bytes) * (g * kGravity_m_s2);
+  return little_endian_axes(bytes) * (g * kStandardGravity_m_s2);
 }
 
 }  // namespace

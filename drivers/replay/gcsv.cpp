@@ -12,12 +12,11 @@
 #include "drivers/replay/csv.hpp"
 #include "drivers/replay/in_quotes.hpp"
 #include "drivers/replay/video_probe.hpp"
+#include "pipeline/sample/imu_sample.hpp"
 
 namespace gimbal {
 
 namespace {
-
-constexpr double kStandardGravity_m_s2 = 9.80665;
 
 /// The lines before the table: names and values.
 using Header = std::map<std::string, std::string, std::less<>>;

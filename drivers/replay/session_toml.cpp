@@ -15,12 +15,12 @@
 #include "drivers/replay/decimal_time.hpp"
 #include "drivers/replay/toml_reader.hpp"
 #include "pipeline/lens/lens.hpp"
+#include "pipeline/sample/imu_sample.hpp"
 
 namespace gimbal {
 
 namespace {
 
-constexpr double kStandardGravity_m_s2 = 9.80665;
 constexpr int kLargestSide_px = 65535;
 /// A frame, and what rounding adds.
 constexpr double kLongestReadout_frames = 1.01;

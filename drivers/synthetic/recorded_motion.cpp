@@ -12,6 +12,7 @@
 
 #include "drivers/synthetic/rotation.hpp"
 #include "drivers/synthetic/world.hpp"
+#include "pipeline/sample/imu_sample.hpp"
 #include "pipeline/sample/upright.hpp"
 
 namespace gimbal {
@@ -166,7 +167,7 @@ VectorSeries hand_acceleration(const GriddedLog& log,
                                const std::vector<Eigen::Quaterniond>& q_world_imu) {
   VectorSeries acceleration(q_world_imu.size(), Eigen::Vector3d::Zero());
   if (log.accel_m_s2.empty()) return acceleration;
-  const Eigen::Vector3d gravity_up(0, 0, kGravity_m_s2);
+  const Eigen::Vector3d gravity_up(0, 0, kStandardGravity_m_s2);
   for (std::size_t k = 0; k < acceleration.size(); ++k) {
     acceleration[k] = q_world_imu[k] * log.accel_m_s2[k] - gravity_up;
   }

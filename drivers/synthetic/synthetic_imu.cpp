@@ -8,6 +8,7 @@
 
 #include "drivers/synthetic/random.hpp"
 #include "drivers/synthetic/world.hpp"
+#include "pipeline/sample/imu_sample.hpp"
 
 namespace gimbal {
 namespace {
@@ -91,7 +92,7 @@ Eigen::Vector3d true_gyro(const MotionState& state, const Eigen::Matrix3d& R_cam
 }
 
 Eigen::Vector3d true_specific_force(const MotionState& state, const Eigen::Matrix3d& R_camera_imu) {
-  const Eigen::Vector3d gravity(0, 0, -kGravity_m_s2);
+  const Eigen::Vector3d gravity(0, 0, -kStandardGravity_m_s2);
   const Eigen::Vector3d force_world = state.acceleration_m_s2 - gravity;
   return R_camera_imu.transpose() * (state.q_world_camera.conjugate() * force_world);
 }

@@ -4,9 +4,6 @@
 
 namespace gimbal {
 
-/// Standard gravity (ISO 80000-3).
-inline constexpr double kGravity_m_s2 = 9.80665;
-
 /// Orientation of a level camera that looks along the world's x: its x axis (right) is the world's
 /// -y, its y axis (down) the world's -z.
 [[nodiscard]] inline Eigen::Matrix3d level_R_world_camera() {

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 
+#include "pipeline/sample/imu_sample.hpp"
 #include "pipeline/sample/sensor_time.hpp"
 
 // The models of motion and of the accelerometer of G. Hanning, "Video Stabilization and Rolling
@@ -13,8 +14,6 @@
 namespace gimbal {
 
 using QuaternionVector = Eigen::Vector4d;
-
-constexpr double kStandardGravity_m_s2 = 9.80665;
 
 /// How (2.8) is carried over from continuous to discrete time.
 enum class Discretization : std::uint8_t {

@@ -13,6 +13,9 @@ struct GyroSample {
   Eigen::Vector3d gyro_rad_s;
 };
 
+/// What data sheets mean by g (third CGPM, 1901).
+inline constexpr double kStandardGravity_m_s2 = 9.80665;
+
 /// Specific force in the IMU's axes: at rest +9.81 m/s² upward.
 struct AccelSample {
   SensorTime time;

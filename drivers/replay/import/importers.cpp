@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "drivers/replay/import/importer.hpp"
+#include "drivers/replay/import/mp4.hpp"
 #include "drivers/replay/replay_camera.hpp"
 #include "drivers/replay/still.hpp"
 
@@ -26,6 +27,12 @@ Result<Session> read_recording(const std::filesystem::path& input) {
       std::find_if(importers().begin(), importers().end(),
                    [&](const Importer& candidate) { return candidate.recognises(input); });
   if (importer != importers().end()) return importer->read(input);
+  if (std::filesystem::is_regular_file(input / "session.toml", ignored)) {
+    return bad_input(fmt::format("{}: is a session already", input.string()));
+  }
+  if (looks_like_mp4(input)) {  // cut off in copying, perhaps
+    if (const auto tracks = read_mp4_tracks(input); !tracks) return tl::unexpected(tracks.error());
+  }
   std::vector<std::string_view> kinds;
   for (const Importer& known : importers()) kinds.push_back(known.kind);
   return bad_input(fmt::format("{}: not a recording of a known kind ({})", input.string(),
@@ -73,7 +80,8 @@ Result<Session> import_session(const std::filesystem::path& input,
   Result<Session> opened = write_session(*session).and_then([&] { return open_session(folder); });
   if (!opened) {
     clear(folder);
-    return opened;
+    return bad_input(fmt::format("{}: does not make a sound session: {}", input.string(),
+                                 opened.error().message));
   }
   write_thumbnail(*opened);
   opened->warnings.insert(opened->warnings.begin(), session->warnings.begin(),

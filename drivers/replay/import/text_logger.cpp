@@ -15,13 +15,13 @@
 #include "drivers/replay/import/importer.hpp"
 #include "drivers/replay/import/phone.hpp"
 #include "drivers/replay/stamped_log.hpp"
+#include "pipeline/sample/imu_sample.hpp"
 
 namespace gimbal {
 
 namespace {
 
 constexpr std::array<const char*, 2> kAccelNames{"acce.txt", "accel.txt"};
-constexpr double kGravity_m_s2 = 9.80665;
 
 bool is_file(const std::filesystem::path& path) {
   std::error_code ignored;
@@ -83,7 +83,7 @@ double unit_m_s2(const std::vector<AccelSample>& accel) {
   for (const AccelSample& sample : accel) magnitudes.push_back(sample.accel_m_s2.norm());
   const auto middle = magnitudes.begin() + std::ssize(magnitudes) / 2;
   std::nth_element(magnitudes.begin(), middle, magnitudes.end());
-  return *middle < kBetween ? kGravity_m_s2 : 1.0;
+  return *middle < kBetween ? kStandardGravity_m_s2 : 1.0;
 }
 
 /// gyro.txt and acce.txt of an iPhone, with CoreMotion's sign.

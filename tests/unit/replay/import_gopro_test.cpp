@@ -251,6 +251,13 @@ TEST(ImportGoPro, SurvivesExtremeNumbersInEveryField) {
   }
 }
 
+TEST(ImportGoPro, SaysWhatAnUnfinishedFileLacks) {
+  const TemporaryFolder folder;
+  folder.write("cut.mp4", test::box("ftyp", "mp41") + test::u32(1000) + "mdat" + "pictures");
+  EXPECT_THAT(import_session(folder.path() / "cut.mp4", folder.path() / "s").error().message,
+              HasSubstr("cut.mp4: no moov box"));
+}
+
 TEST(ImportGoPro, SurvivesAFileCutAnywhere) {
   const TemporaryFolder folder;
   const std::string good = stamped_file();

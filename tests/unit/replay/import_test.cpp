@@ -262,7 +262,15 @@ TEST(Import, LeavesNothingBehindOfAnUnusableRecording) {
   const Result<Session> session = import_session(folder.path() / "log", folder.path() / "s");
   ASSERT_FALSE(session);
   EXPECT_THAT(session.error().message, HasSubstr("no time in common"));
+  EXPECT_THAT(session.error().message, HasSubstr((folder.path() / "log").string()));
   EXPECT_TRUE(std::filesystem::is_empty(folder.path() / "s"));
+}
+
+TEST(Import, SaysThatASessionNeedsNone) {
+  const TemporaryFolder folder;
+  folder.write("session/session.toml", "");
+  EXPECT_THAT(import_session(folder.path() / "session", folder.path() / "s").error().message,
+              HasSubstr("is a session already"));
 }
 
 TEST(Import, NamesTheKindsItKnowsWhenItKnowsNone) {
