@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "daemon/driver_keys.hpp"
+#include "daemon/output_keys.hpp"
 #include "drivers/replay/calibration_keys.hpp"
 #include "drivers/replay/toml_reader.hpp"
 
@@ -152,11 +153,26 @@ Result<void> read_table(TomlTable& root, std::string_view name, const Read& read
   return verdict(*table);
 }
 
+/// Those of a later file go instead of an earlier one's.
+Result<void> read_outputs(TomlTable& root, std::vector<OutputSettings>& outputs) {
+  if (root.has("outputs") || root.has("output")) outputs.clear();
+  for (std::string& text : root.texts("outputs").value_or(std::vector<std::string>{})) {
+    outputs.push_back(TextOutput{std::move(text)});
+  }
+  auto tables = root.tables("output");
+  if (!tables) return {};
+  for (TomlTable& table : *tables) {
+    if (auto output = read_output(table)) outputs.push_back(*std::move(output));
+    if (auto sound = verdict(table); !sound) return sound;
+  }
+  return {};
+}
+
 Result<void> read_file(const std::filesystem::path& file, Configuration& configuration,
                        ChosenDrivers& drivers) {
   auto root = TomlTable::load(file);
   if (!root) return tl::unexpected(root.error());
-  if (auto outputs = root->texts("outputs")) configuration.outputs = std::move(*outputs);
+  if (auto read = read_outputs(*root, configuration.outputs); !read) return read;
   CalibrationSettings& calibration = configuration.calibration;
   const auto read = [&](std::string_view name, const auto& reader) {
     return [&root, name, reader] { return read_table(*root, name, reader); };
@@ -230,7 +246,9 @@ Result<Configuration> load_configuration(std::span<const std::filesystem::path> 
     return tl::unexpected(chosen.error());
   }
   if (configuration.outputs.empty()) {
-    return bad_input("no output is configured: give outputs = [\"-\"], a file or a pipeline text");
+    return bad_input(
+        "no output is configured: give outputs = [\"-\"], a file or a pipeline text, or a table "
+        "[[output]] with preset = \"rtsp\"");
   }
   return configuration;
 }

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/output_target.hpp"
 #include "daemon/stabilization.hpp"
 #include "drivers/driver_table.hpp"
 #include "drivers/replay/paced_replay.hpp"
@@ -48,7 +49,7 @@ struct Configuration {
   ImuSettings imu;
   CalibrationSettings calibration;
   StabilizationSettings stabilization;
-  std::vector<std::string> outputs;  ///< as `gimbalctl stabilize -o` takes them
+  std::vector<OutputSettings> outputs;
 };
 
 /// Where the daemon looks if it is not told: /etc/gimbald/gimbald.toml, then

@@ -40,16 +40,25 @@ std::size_t most_held(const StabilizationSettings& settings, const CameraCalibra
          static_cast<std::size_t>(std::ceil(kPatience_s * usual_fps(calibration)));
 }
 
+/// Of a frame that is drawn in time behind its stamp: the lag, the readout, and some frames for
+/// the stages and their queues.
+SensorDuration longest_delay(const StabilizationSettings& settings,
+                             const CameraCalibration& calibration) {
+  constexpr double kStages_frames = 3;
+  const double lag_frames = static_cast<double>(settings.latency.value_or(0));
+  return calibration.readout +
+         duration_from_seconds((lag_frames + kStages_frames) / usual_fps(calibration));
+}
+
 SensorTime stamp_of(const ImuReading& reading) {
   return std::visit([](const auto& sample) { return sample.time; }, reading);
 }
 
 }  // namespace
 
-Result<std::unique_ptr<LivePipeline>> LivePipeline::start(LiveSources sources,
-                                                          const StabilizationSettings& settings,
-                                                          const std::vector<std::string>& outputs,
-                                                          SourceObserver* observer) {
+Result<std::unique_ptr<LivePipeline>> LivePipeline::start(
+    LiveSources sources, const StabilizationSettings& settings,
+    const std::vector<OutputSettings>& outputs, SourceObserver* observer) {
   auto stabilizer = Stabilizer::create(sources.camera_calibration, sources.imu_calibration,
                                        make_attitudes(settings.estimator, Lookahead::nothing()),
                                        make_path(settings, usual_fps(sources.camera_calibration)),
@@ -80,7 +89,7 @@ Result<void> LivePipeline::start_threads() {
 
 LivePipeline::LivePipeline(LiveSources sources, Stabilizer stabilizer,
                            const StabilizationSettings& settings,
-                           const std::vector<std::string>& outputs, SourceObserver* observer)
+                           const std::vector<OutputSettings>& outputs, SourceObserver* observer)
     : camera_("camera", std::move(sources.camera)),
       imu_("imu", std::move(sources.imu)),
       format_(sources.format),
@@ -91,8 +100,9 @@ LivePipeline::LivePipeline(LiveSources sources, Stabilizer stabilizer,
       settings_(settings),
       stabilizer_(std::move(stabilizer)),
       aligner_(sources.accelerometer, kLiveAligner) {
-  for (const std::string& output : outputs) {
-    outputs_.push_back(std::make_unique<Output>(output, format_.fps));
+  for (const OutputSettings& output : outputs) {
+    outputs_.push_back(std::make_unique<Output>(target_of(output), format_.fps,
+                                                longest_delay(settings, calibration_)));
   }
 }
 

@@ -85,7 +85,7 @@ class LivePipeline {
   /// `observer`: none, or one that lives longer.
   [[nodiscard]] static Result<std::unique_ptr<LivePipeline>> start(
       LiveSources sources, const StabilizationSettings& settings,
-      const std::vector<std::string>& outputs, SourceObserver* observer = nullptr);
+      const std::vector<OutputSettings>& outputs, SourceObserver* observer = nullptr);
 
   LivePipeline(const LivePipeline&) = delete;
   LivePipeline& operator=(const LivePipeline&) = delete;
@@ -125,7 +125,7 @@ class LivePipeline {
   };
 
   LivePipeline(LiveSources sources, Stabilizer stabilizer, const StabilizationSettings& settings,
-               const std::vector<std::string>& outputs, SourceObserver* observer);
+               const std::vector<OutputSettings>& outputs, SourceObserver* observer);
 
   [[nodiscard]] Result<void> start_threads();
   [[nodiscard]] std::unique_ptr<CameraPath> new_path() const;

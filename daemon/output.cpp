@@ -18,8 +18,12 @@ constexpr std::chrono::seconds kLongestBackoff{30};
 
 }  // namespace
 
-Output::Output(std::string to, double fps)
-    : to_(std::move(to)), fps_(fps), frames_(kHeldFrames), backoff_(kFirstBackoff) {
+Output::Output(OutputTarget target, double fps, SensorDuration delay)
+    : target_(std::move(target)),
+      fps_(fps),
+      delay_(delay),
+      frames_(kHeldFrames),
+      backoff_(kFirstBackoff) {
   thread_ = std::thread([this] { run(); });
 }
 
@@ -57,7 +61,7 @@ bool Output::write(const VideoFrame& frame) {
 
 Result<void> Output::open_for(const VideoFrame& frame) {
   if (sink_) return {};
-  auto sink = open_sink(to_, {frame.size, fps_, frame.color}, std::nullopt);
+  auto sink = target_.open({frame.size, fps_, frame.color, LiveTiming{frame.stamp.time, delay_}});
   if (!sink) return tl::unexpected(sink.error());
   sink_ = std::move(*sink);
   return {};
@@ -65,14 +69,13 @@ Result<void> Output::open_for(const VideoFrame& frame) {
 
 void Output::fail(const Error& error) {
   sink_.reset();
-  // Standard output cannot be opened again, and a file would lose what it holds.
-  is_gone_ = to_.find(" ! ") == std::string::npos;
+  is_gone_ = target_.reopening == Reopening::impossible;
   if (is_gone_) {
-    log_line(LogLevel::error, fmt::format("output {}: {}", to_, error.message));
+    log_line(LogLevel::error, fmt::format("output {}: {}", target_.name, error.message));
     return;
   }
-  log_line(LogLevel::error, fmt::format("output {}: {}; trying again in {} s", to_, error.message,
-                                        backoff_.count()));
+  log_line(LogLevel::error, fmt::format("output {}: {}; trying again in {} s", target_.name,
+                                        error.message, backoff_.count()));
   next_try_ = std::chrono::steady_clock::now() + backoff_;
   backoff_ = std::min(2 * backoff_, kLongestBackoff);
 }
@@ -80,7 +83,7 @@ void Output::fail(const Error& error) {
 void Output::close() {
   if (!sink_) return;
   if (const auto finished = sink_->finish(); !finished) {
-    log_line(LogLevel::error, fmt::format("output {}: {}", to_, finished.error().message));
+    log_line(LogLevel::error, fmt::format("output {}: {}", target_.name, finished.error().message));
   }
   for (const std::string& warning : sink_->warnings()) log_line(LogLevel::warning, warning);
   sink_.reset();

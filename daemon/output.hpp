@@ -7,6 +7,7 @@
 #include <string>
 #include <thread>
 
+#include "daemon/output_target.hpp"
 #include "pipeline/queue/bounded_queue.hpp"
 #include "pipeline/sample/video_frame.hpp"
 #include "pipeline/sink/frame_sink.hpp"
@@ -18,8 +19,8 @@ namespace gimbal {
 /// waits.
 class Output {
  public:
-  /// `to`: as open_sink takes it.
-  Output(std::string to, double fps);
+  /// `delay`: the longest that a frame is behind its stamp when it is offered.
+  Output(OutputTarget target, double fps, SensorDuration delay);
   Output(const Output&) = delete;
   Output& operator=(const Output&) = delete;
   ~Output();
@@ -29,7 +30,7 @@ class Output {
   /// Writes what is held and ends the stream properly.
   void finish();
 
-  [[nodiscard]] const std::string& name() const { return to_; }
+  [[nodiscard]] const std::string& name() const { return target_.name; }
   [[nodiscard]] std::uint64_t written() const { return written_; }
   [[nodiscard]] std::uint64_t dropped() const { return frames_.dropped() + lost_; }
 
@@ -43,8 +44,9 @@ class Output {
   void fail(const Error& error);
   void close();
 
-  std::string to_;
-  double fps_;
+  const OutputTarget target_;
+  const double fps_;
+  const SensorDuration delay_;
   BoundedQueue<VideoFrame, WhenFull::drop_oldest> frames_;
   std::unique_ptr<FrameSink> sink_;
   std::chrono::steady_clock::time_point next_try_;

@@ -13,20 +13,12 @@
 #include "drivers/replay/decimal_time.hpp"
 #include "drivers/replay/still.hpp"
 #include "pipeline/sink/frame_sink.hpp"
+#include "pipeline/sink/pipeline_text.hpp"
 
 namespace gimbal {
 namespace {
 
 constexpr int kThumbnailWidth_px = 320;
-
-std::string in_launch_quotes(const std::string& path) {
-  std::string quoted = "\"";
-  for (const char letter : path) {
-    if (letter == '"' || letter == '\\') quoted += '\\';
-    quoted += letter;
-  }
-  return quoted + '"';
-}
 
 /// H.264 that is hard to tell from the original, for displacements of 0.1 px are measured in it;
 /// where x264 is not installed, what the sink takes for .mkv.
@@ -36,7 +28,7 @@ Result<std::unique_ptr<FrameSink>> open_video(const std::filesystem::path& path,
   const std::string pipeline = fmt::format(
       "x264enc pass=qual quantizer=12 speed-preset=superfast bframes=0 vbv-buf-capacity=0 "
       "! matroskamux ! filesink location={}",
-      in_launch_quotes(path.string()));
+      in_pipeline_quotes(path.string()));
   auto sink = open_sink(pipeline, sink_format, std::nullopt);
   return sink ? std::move(sink) : open_sink(path.string(), sink_format, std::nullopt);
 }

@@ -83,6 +83,17 @@ struct TomlTable::State {
   std::vector<std::string> asked_for;
   std::optional<Error> error;
 
+  /// For a table in this one.
+  [[nodiscard]] std::unique_ptr<State> inside(const toml::table& inner,
+                                              std::string_view key) const {
+    auto state = std::make_unique<State>();
+    state->file = file;
+    state->prefix = fmt::format("{}{}.", prefix, key);
+    state->document = document;
+    state->table = &inner;
+    return state;
+  }
+
   const toml::node* find(std::string_view key) {
     asked_for.emplace_back(key);
     return table->get(key);
@@ -236,12 +247,22 @@ std::optional<TomlTable> TomlTable::table(std::string_view key) {
     state_->expect(*node, key, fmt::format("a table [{}]", key));
     return std::nullopt;
   }
-  auto state = std::make_unique<State>();
-  state->file = state_->file;
-  state->prefix = fmt::format("{}{}.", state_->prefix, key);
-  state->document = state_->document;
-  state->table = inner;
-  return TomlTable(std::move(state));
+  return TomlTable(state_->inside(*inner, key));
+}
+
+std::optional<std::vector<TomlTable>> TomlTable::tables(std::string_view key) {
+  const toml::node* const node = state_->find(key);
+  if (node == nullptr) return std::nullopt;
+  const toml::array* const array = node->as_array();
+  if (array == nullptr || !array->is_homogeneous(toml::node_type::table)) {
+    state_->expect(*node, key, fmt::format("tables [[{}]]", key));
+    return std::nullopt;
+  }
+  std::vector<TomlTable> tables;
+  for (const toml::node& element : *array) {
+    tables.push_back(TomlTable(state_->inside(*element.as_table(), key)));
+  }
+  return tables;
 }
 
 void TomlTable::refuse(std::string_view key, std::string_view complaint) {

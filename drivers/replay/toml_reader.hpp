@@ -48,6 +48,8 @@ class TomlTable {
   /// Three rows of three numbers.
   [[nodiscard]] std::optional<Eigen::Matrix3d> matrix3(std::string_view key);
   [[nodiscard]] std::optional<TomlTable> table(std::string_view key);
+  /// Tables [[key]], in their order.
+  [[nodiscard]] std::optional<std::vector<TomlTable>> tables(std::string_view key);
 
   template <typename T>
   [[nodiscard]] std::optional<T> choice(std::string_view key,

@@ -22,6 +22,7 @@ struct GstMiniObjectUnref {
 
 using GstElementPtr = std::unique_ptr<GstElement, GstObjectUnref>;
 using GstPadPtr = std::unique_ptr<GstPad, GstObjectUnref>;
+using GstClockPtr = std::unique_ptr<GstClock, GstObjectUnref>;
 using GstBusPtr = std::unique_ptr<GstBus, GstObjectUnref>;
 using GstCapsPtr = std::unique_ptr<GstCaps, GstMiniObjectUnref>;
 using GstBufferPtr = std::unique_ptr<GstBuffer, GstMiniObjectUnref>;

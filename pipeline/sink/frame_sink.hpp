@@ -32,11 +32,20 @@ class FrameSink {
   [[nodiscard]] virtual std::vector<std::string> warnings() const = 0;
 };
 
+/// How pictures that are seen as they are taken lie in time.
+struct LiveTiming {
+  SensorTime first;        ///< the first picture's stamp, CLOCK_MONOTONIC
+  SensorDuration delay{};  ///< the longest that a picture is behind its stamp when it is written
+};
+
 /// The pictures that a sink will get.
 struct SinkFormat {
   ImageSize size;
   double fps = 0;  ///< nominal; capture times set the pace
   ColorInfo color;
+  /// A pipeline's clock is then CLOCK_MONOTONIC, and base time and presentation time together are
+  /// the capture time. None: a recording, written as fast as it comes.
+  std::optional<LiveTiming> live = std::nullopt;
 };
 
 /// Audio to be carried over from a recording, unchanged.

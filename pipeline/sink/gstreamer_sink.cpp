@@ -91,6 +91,20 @@ GstreamerSink::GstreamerSink(SinkPipeline target, const SinkFormat& format)
   // Waiting is ours: an appsrc that blocks does not wake up when the pipeline fails.
   g_object_set(source_.get(), "caps", caps.get(), "format", GST_FORMAT_TIME, "max-bytes",
                guint64{0}, nullptr);
+  if (format_.live) {
+    follow_the_clock(*format_.live);
+  }
+}
+
+/// The pipeline's running time is since the first picture was taken, for live audio beside the
+/// pictures as well.
+void GstreamerSink::follow_the_clock(const LiveTiming& live) {
+  g_object_set(source_.get(), "is-live", TRUE, "min-latency", gint64{live.delay.count()}, nullptr);
+  const GstClockPtr clock(gst_system_clock_obtain());
+  gst_pipeline_use_clock(GST_PIPELINE(pipeline_.get()), clock.get());
+  gst_element_set_start_time(pipeline_.get(), GST_CLOCK_TIME_NONE);
+  gst_element_set_base_time(pipeline_.get(),
+                            static_cast<GstClockTime>(live.first.time_since_epoch().count()));
 }
 
 GstreamerSink::~GstreamerSink() = default;
@@ -162,7 +176,7 @@ Result<void> GstreamerSink::write(const VideoFrame& frame) {
     return explain(room);
   }
   const SensorDuration duration = shown_for(frame);
-  first_time_ = first_time_.value_or(frame.stamp.time);
+  first_time_ = first_time_.value_or(format_.live ? format_.live->first : frame.stamp.time);
   last_time_ = frame.stamp.time;
   VideoFrame visible = frame;
   visible.size = format_.size;
@@ -176,11 +190,28 @@ Result<void> GstreamerSink::write(const VideoFrame& frame) {
   return explain(progress_.state());
 }
 
+/// Live sound has no end of its own, and a muxer waits for it.
+void GstreamerSink::end_other_sources() {
+  const auto end = [](const GValue* item, gpointer ours) {
+    auto* source = static_cast<GstElement*>(g_value_get_object(item));
+    if (source != ours) {
+      gst_element_send_event(source, gst_event_new_eos());
+    }
+  };
+  GstIterator* sources = gst_bin_iterate_sources(GST_BIN(pipeline_.get()));
+  gst_iterator_foreach(sources, end, source_.get());
+  gst_iterator_free(sources);
+}
+
 Result<void> GstreamerSink::finish() {
   gst_app_src_end_of_stream(GST_APP_SRC(source_.get()));
-  auto ended = progress_.wait_for_end();
+  if (format_.live) {
+    end_other_sources();
+  }
+  // What an element says while it is taken down, as shmsink does, is no failure: all is written.
+  auto written = progress_.wait_for_end().and_then([this] { return progress_.state(); });
   gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
-  return explain(ended ? progress_.state() : ended);
+  return explain(std::move(written));
 }
 
 std::vector<std::string> GstreamerSink::warnings() const {

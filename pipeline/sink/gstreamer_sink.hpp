@@ -48,6 +48,8 @@ class GstreamerSink final : public FrameSink {
 
   static GstBusSyncReply on_message(GstBus* bus, GstMessage* message, gpointer sink);
   void watch();
+  void follow_the_clock(const LiveTiming& live);
+  void end_other_sources();
   /// Until the next frame, as far as that can be known: a last frame without it would not be shown.
   [[nodiscard]] SensorDuration shown_for(const VideoFrame& frame) const;
   [[nodiscard]] Result<void> check(const VideoFrame& frame) const;

@@ -2,18 +2,37 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "pipeline/gstreamer/gst_messages.hpp"
 #include "pipeline/gstreamer/gst_runtime.hpp"
 
 namespace gimbal {
 namespace {
 
+double usual_fps(const SinkFormat& format) {
+  return format.fps > 0 ? format.fps : 30;
+}
+
 /// For encoders that have no constant quality: enough for detail in motion, 8 Mbit/s for 1280x720
 /// at 30 pictures a second.
 int bits_per_second(const SinkFormat& format) {
   constexpr double kBitsPerPixel = 0.3;
-  const double fps = format.fps > 0 ? format.fps : 30;
-  return static_cast<int>(kBitsPerPixel * format.size.width * format.size.height * fps);
+  return static_cast<int>(kBitsPerPixel * format.size.width * format.size.height *
+                          usual_fps(format));
+}
+
+Result<VideoEncoder> first_installed(const std::vector<VideoEncoder>& encoders) {
+  if (auto started = init_gstreamer(); !started) {
+    return tl::unexpected(started.error());
+  }
+  for (const VideoEncoder& encoder : encoders) {
+    if (is_element_installed(encoder.element)) {
+      return encoder;
+    }
+  }
+  return bad_input(fmt::format("no H.264 encoder: {}", missing_element_text("x264enc")));
 }
 
 }  // namespace
@@ -36,12 +55,25 @@ std::vector<VideoEncoder> video_encoders(const SinkFormat& format) {
 }
 
 Result<VideoEncoder> choose_video_encoder(const SinkFormat& format) {
-  for (const VideoEncoder& encoder : video_encoders(format)) {
-    if (is_element_installed(encoder.element)) {
-      return encoder;
-    }
-  }
-  return bad_input(fmt::format("no H.264 encoder: {}", missing_element_text("x264enc")));
+  return first_installed(video_encoders(format));
+}
+
+Result<VideoEncoder> choose_stream_encoder(const SinkFormat& format, int bitrate_kbps) {
+  const auto pictures_a_second = std::max(1, static_cast<int>(std::lround(usual_fps(format))));
+  return first_installed({
+      // The board's own encoder first: it leaves the processor to the warp.
+      {"v4l2h264enc",
+       fmt::format("v4l2h264enc "
+                   "extra-controls=\"controls,video_bitrate={},h264_i_frame_period={},"
+                   "repeat_sequence_header=1\" ! video/x-h264,level=(string)4",
+                   1000 * bitrate_kbps, pictures_a_second)},
+      {"x264enc", fmt::format("x264enc tune=zerolatency speed-preset=superfast bitrate={} "
+                              "key-int-max={} bframes=0",
+                              bitrate_kbps, pictures_a_second)},
+      {"openh264enc",
+       fmt::format("openh264enc rate-control=bitrate usage-type=camera bitrate={} gop-size={}",
+                   1000 * bitrate_kbps, pictures_a_second)},
+  });
 }
 
 }  // namespace gimbal

@@ -20,4 +20,9 @@ struct VideoEncoder {
 /// The best that is installed; bad_input, with a package, if there is none.
 [[nodiscard]] Result<VideoEncoder> choose_video_encoder(const SinkFormat& format);
 
+/// The best that is installed for a stream that is seen at once: a constant rate of bits, nothing
+/// held back, and a picture that stands alone every second, for those who come later.
+[[nodiscard]] Result<VideoEncoder> choose_stream_encoder(const SinkFormat& format,
+                                                         int bitrate_kbps);
+
 }  // namespace gimbal

@@ -48,7 +48,7 @@ SYSTEM_HEADER_HOMES = [
     (r"toml\+\+/.*|nlohmann/.*", r"drivers/replay|daemon"),
     (r"(CLI|spdlog)/.*", r"daemon"),
     (r"fmt/.*", OUTSIDE_SAMPLE),
-    (r"thread|stop_token|future", r"pipeline/queue|" + OUTSIDE_PIPELINE),  # stages own no thread
+    (r"thread|stop_token|future", r"pipeline/(queue|sink)|" + OUTSIDE_PIPELINE),  # others own none
     (r"linux/.*|sys/ioctl\.h", OUTSIDE_PIPELINE),
     (r"(sys/)?[a-z0-9_]+\.h", OUTSIDE_SAMPLE),  # POSIX
     (r"[a-z0-9_]+", ANYWHERE),  # the standard library

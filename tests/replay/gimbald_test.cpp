@@ -68,7 +68,8 @@ TEST_F(Gimbald, SaysWhatIsWrongWithAConfiguration) {
            {"outputs = [\"-\"]\n", "no camera is configured"},
            {"[replay]\nsession = \"here\"\n", "no output is configured"},
            {"outputs = \"-\"\n", "line 1: outputs is \"-\"; a list of texts in quotes is expected"},
-           {"output = [\"-\"]\n", "line 1: \"output\" is not known; is outputs meant?"},
+           {"output = [\"-\"]\n", "line 1: output is \"[ '-' ]\"; tables [[output]] is expected"},
+           {"outputz = [\"-\"]\n", "line 1: \"outputz\" is not known; is outputs meant?"},
            {replay + "repaet = true\n",
             "line 4: replay.\"repaet\" is not known; is replay.repeat meant?"},
            {replay + "repeat = 1\n", "line 4: replay.repeat is \"1\"; true or false is expected"},
@@ -108,9 +109,18 @@ TEST_F(Gimbald, ALaterFileOverridesSingleKeys) {
 }
 
 TEST_F(Gimbald, TheExamplesAreSound) {
-  for (const auto& example : std::filesystem::directory_iterator(GIMBALD_EXAMPLES)) {
+  namespace fs = std::filesystem;
+  const fs::path folder = GIMBALD_CONFIG;
+  for (const auto& example : fs::directory_iterator(folder / "examples")) {
     const auto checked = test::run_program(
         {GIMBALD, "--config", example.path().string(), "--check-config"}, kLimit_s);
+    EXPECT_EQ(checked.exit_status, 0) << checked.standard_error;
+  }
+  for (const auto& more : fs::directory_iterator(folder / "conf.d.examples")) {
+    const auto checked =
+        test::run_program({GIMBALD, "--config", (folder / "examples/replay.toml").string(),
+                           "--config", more.path().string(), "--check-config"},
+                          kLimit_s);
     EXPECT_EQ(checked.exit_status, 0) << checked.standard_error;
   }
 }

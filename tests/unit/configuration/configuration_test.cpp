@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <chrono>
 #include <filesystem>
+#include <string>
+#include <variant>
 
 #include "tests/support/temporary_folder.hpp"
 
@@ -61,6 +64,70 @@ TEST_F(ConfigurationTest, ACalibrationLiesBesideTheFileThatNamesIt) {
       "[imu]\ndriver = \"iio\"\n");
   ASSERT_TRUE(read) << read.error().message;
   EXPECT_EQ(read->calibration.file, folder_.path() / "lenses/wide.toml");
+}
+
+constexpr const char* kDevices = "[camera]\ndriver = \"v4l2\"\n[imu]\ndriver = \"iio\"\n";
+
+TEST_F(ConfigurationTest, OutputsAreTextsAndPresets) {
+  const auto read = load(std::string("outputs = [\"-\"]\n") + kDevices +
+                         "[[output]]\npreset = \"rtsp\"\nport = 9000\npath = \"/front\"\n"
+                         "[[output]]\npreset = \"file\"\nfolder = \"/videos\"\nsegment_s = 60\n"
+                         "keep = 10\n[[output]]\npreset = \"stdout\"\nformat = \"raw\"\n");
+  ASSERT_TRUE(read) << read.error().message;
+  ASSERT_EQ(read->outputs.size(), 4U);
+  EXPECT_EQ(std::get<TextOutput>(read->outputs[0]).text, "-");
+  EXPECT_EQ(std::get<RtspOutput>(read->outputs[1]).port, 9000);
+  EXPECT_EQ(std::get<RtspOutput>(read->outputs[1]).path, "/front");
+  EXPECT_EQ(std::get<RtspOutput>(read->outputs[1]).address, "127.0.0.1");
+  EXPECT_EQ(std::get<SegmentOutput>(read->outputs[2]).folder, "/videos");
+  EXPECT_EQ(std::get<SegmentOutput>(read->outputs[2]).length, std::chrono::seconds(60));
+  EXPECT_EQ(std::get<SegmentOutput>(read->outputs[2]).kept, 10);
+  EXPECT_TRUE(std::holds_alternative<RawStdoutOutput>(read->outputs[3]));
+}
+
+TEST_F(ConfigurationTest, OutputsOfALaterFileGoInsteadOfAnEarlierOnes) {
+  const auto read =
+      load(std::string("outputs = [\"-\"]\n") + kDevices, "[[output]]\npreset = \"display\"\n");
+  ASSERT_TRUE(read) << read.error().message;
+  ASSERT_EQ(read->outputs.size(), 1U);
+  EXPECT_TRUE(std::holds_alternative<DisplayOutput>(read->outputs[0]));
+}
+
+struct BadOutput {
+  const char* name;
+  const char* lines;  ///< of the table, which begins in line 6
+  const char* message;
+};
+
+class BadOutputTest : public ConfigurationTest, public ::testing::WithParamInterface<BadOutput> {};
+
+TEST_P(BadOutputTest, IsNamedWithFileAndLine) {
+  const auto read = load(std::string("\n") + kDevices + "[[output]]\n" + GetParam().lines);
+  ASSERT_FALSE(read);
+  EXPECT_NE(read.error().message.find("a.toml, line "), std::string::npos) << read.error().message;
+  EXPECT_NE(read.error().message.find(GetParam().message), std::string::npos)
+      << read.error().message;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Outputs, BadOutputTest,
+    ::testing::Values(
+        BadOutput{"NoPreset", "port = 1\n", "output.preset is missing"},
+        BadOutput{"UnknownPreset", "preset = \"rtmp\"\n", "allowed are \"stdout\", \"file\""},
+        BadOutput{"NoFolder", "preset = \"file\"\n", "output.folder is missing"},
+        BadOutput{"NoDevice", "preset = \"v4l2loopback\"\n", "output.device is missing"},
+        BadOutput{"NoSocket", "preset = \"shm\"\n", "output.socket is missing"},
+        BadOutput{"Port", "preset = \"rtsp\"\nport = 70000\n", "a whole number from 1 to 65535"},
+        BadOutput{"Path", "preset = \"rtsp\"\npath = \"x\"\n", "must begin with /"},
+        BadOutput{"Key", "preset = \"udp\"\nprot = 1\n", "is output.port meant?"},
+        BadOutput{"NoPipeline", "preset = \"pipeline\"\ntext = \"fakesink\"\n", "has no \" ! \""}),
+    [](const auto& bad) -> std::string { return bad.param.name; });
+
+TEST_F(ConfigurationTest, AnOutputThatIsNoTableIsRefused) {
+  const auto read = load(std::string("output = \"rtsp\"\n") + kDevices);
+  ASSERT_FALSE(read);
+  EXPECT_NE(read.error().message.find("tables [[output]]"), std::string::npos)
+      << read.error().message;
 }
 
 }  // namespace

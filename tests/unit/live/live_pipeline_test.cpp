@@ -118,7 +118,7 @@ class LivePipelineTest : public ::testing::Test {
     settings.latency = 3;
     settings.warper = WarperKind::cpu;
     settings.border = Border::extend;
-    auto started = LivePipeline::start(std::move(sources), settings, {file_});
+    auto started = LivePipeline::start(std::move(sources), settings, {TextOutput{file_}});
     ASSERT_TRUE(started) << started.error().message;
     pipeline_ = std::move(*started);
   }

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+#include <variant>
+
+#include "pipeline/sample/result.hpp"
+#include "pipeline/sink/frame_sink.hpp"
+
+namespace gimbal {
+
+/// What `gimbalctl stabilize -o` takes as well: "-", a file, or a pipeline text.
+struct TextOutput {
+  std::string text;
+};
+
+/// I420 pictures on standard output, one after the other, with nothing between them.
+struct RawStdoutOutput {};
+
+/// Files of equal length, one after the other, named after the time when the first was begun.
+struct SegmentOutput {
+  std::filesystem::path folder;
+  SensorDuration length = std::chrono::minutes(10);
+  int kept = 0;       ///< the oldest of this run go when there are more; 0: all stay
+  std::string audio;  ///< pipeline text of a live source; empty for none
+};
+
+/// To clients that ask for it.
+struct RtspOutput {
+  std::string address = "127.0.0.1";
+  int port = 8554;
+  std::string path = "/gimbald";
+  int bitrate_kbps = 4000;
+  std::string audio;
+};
+
+/// H.264 in RTP (RFC 6184), payload type 96, sent whether somebody listens or not.
+struct UdpOutput {
+  std::string host = "127.0.0.1";
+  int port = 5000;
+  int bitrate_kbps = 4000;
+};
+
+/// A camera for other programs, through the kernel's v4l2loopback.
+struct LoopbackOutput {
+  std::filesystem::path device;
+};
+
+/// I420 pictures in memory that GStreamer's shmsrc reads.
+struct ShmOutput {
+  std::filesystem::path socket;
+};
+
+/// On this machine's screen.
+struct DisplayOutput {};
+
+using OutputSettings = std::variant<TextOutput, RawStdoutOutput, SegmentOutput, RtspOutput,
+                                    UdpOutput, LoopbackOutput, ShmOutput, DisplayOutput>;
+
+/// Whether an output that has failed may be opened again: a file would lose what it holds, and
+/// standard output is not there any more.
+enum class Reopening { possible, impossible };
+
+/// Somewhere that pictures can be sent to.
+struct OutputTarget {
+  std::string name;  ///< for people
+  Reopening reopening = Reopening::possible;
+  std::function<Result<std::unique_ptr<FrameSink>>(const SinkFormat&)> open;
+};
+
+[[nodiscard]] OutputTarget target_of(const OutputSettings& settings);
+
+}  // namespace gimbal
