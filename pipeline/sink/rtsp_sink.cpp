@@ -117,9 +117,9 @@ class GstRtspSink final : public RtspSink {
     return {};
   }
 
-  std::vector<std::string> warnings() const override { return {}; }
+  [[nodiscard]] std::vector<std::string> warnings() const override { return {}; }
 
-  std::string url() const override {
+  [[nodiscard]] std::string url() const override {
     return fmt::format("rtsp://{}:{}{}", settings_.address,
                        gst_rtsp_server_get_bound_port(server_.get()), settings_.path);
   }
