@@ -8,8 +8,10 @@
 #include <system_error>
 #include <utility>
 
+#include "daemon/control_keys.hpp"
 #include "daemon/driver_keys.hpp"
 #include "daemon/output_keys.hpp"
+#include "daemon/stabilization_keys.hpp"
 #include "drivers/replay/calibration_keys.hpp"
 #include "drivers/replay/toml_reader.hpp"
 
@@ -17,8 +19,6 @@ namespace gimbal {
 namespace {
 
 constexpr std::size_t kUsualLatencyFrames = 5;
-constexpr int kLongestLatencyFrames = 300;
-constexpr double kLargestZoom = 10;
 
 constexpr double kNarrowestView_deg = 1;
 constexpr double kWidestView_deg = 170;  // of a lens that keeps straight lines straight
@@ -42,16 +42,6 @@ struct ChosenDrivers {
   std::optional<std::optional<CameraDriver>> camera;
   std::optional<std::optional<ImuDriver>> imu;
 };
-
-/// The value of a word among a map's.
-template <typename T>
-void read_choice(TomlTable& table, std::string_view key, const std::map<std::string, T>& names,
-                 T& value) {
-  std::vector<NamedValue<T>> allowed;
-  allowed.reserve(names.size());
-  for (const auto& [name, named] : names) allowed.push_back({name, named});
-  if (const auto choice = table.choice<T>(key, allowed)) value = *choice;
-}
 
 /// What is named in a file lies beside it, or comes with the program.
 std::filesystem::path beside(const std::filesystem::path& file, const std::string& name) {
@@ -104,47 +94,6 @@ void read_replay(TomlTable& table, ReplaySettings& replay) {
   }
 }
 
-void read_zoom(TomlTable& table, std::optional<double>& zoom) {
-  if (!table.has("zoom")) return;
-  if (table.is_text("zoom")) {
-    if (table.text("zoom") != "auto") table.refuse("zoom", "must be \"auto\" or a ratio");
-    zoom.reset();
-  } else if (const auto ratio = table.number("zoom")) {
-    if (!(*ratio >= 1 && *ratio <= kLargestZoom)) {
-      table.refuse("zoom", "must be from 1 to 10, such as 1.15, or \"auto\"");
-    }
-    zoom = *ratio;
-  }
-}
-
-void read_stabilization(TomlTable& table, StabilizationSettings& settings) {
-  if (const auto amount = table.number("amount")) {
-    if (!(*amount >= 0 && *amount <= 1)) table.refuse("amount", "must be from 0 to 1");
-    settings.amount = *amount;
-  }
-  if (const auto frames = table.integer("latency_frames", 0, kLongestLatencyFrames)) {
-    settings.latency = static_cast<std::size_t>(*frames);
-  }
-  read_zoom(table, settings.zoom);
-  read_choice(table, "border", border_names(), settings.border);
-  read_choice(table, "path", path_names(), settings.path);
-  read_choice(table, "estimator", estimator_names(), settings.estimator);
-  if (table.has("warper")) {
-    WarperKind kind{};
-    read_choice(table, "warper", warper_names(), kind);
-    settings.warper = kind;
-  }
-}
-
-/// Whether a table was read without a fault, and holds nothing that is not known.
-Result<void> verdict(const TomlTable& table) {
-  if (table.error()) return tl::unexpected(*table.error());
-  if (const auto unknown = table.unknown_keys(); !unknown.empty()) {
-    return bad_input(unknown.front());
-  }
-  return {};
-}
-
 template <typename Read>
 Result<void> read_table(TomlTable& root, std::string_view name, const Read& read) {
   auto table = root.table(name);
@@ -187,6 +136,7 @@ Result<void> read_file(const std::filesystem::path& file, Configuration& configu
       .and_then(read("i2c", [&](TomlTable& t) { read_i2c(t, configuration.imu); }))
       .and_then(read("stabilization",
                      [&](TomlTable& t) { read_stabilization(t, configuration.stabilization); }))
+      .and_then(read("control", [&](TomlTable& t) { read_control(t, configuration.control); }))
       .and_then([&] { return verdict(*root); });
 }
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/control_address.hpp"
 #include "daemon/output_target.hpp"
 #include "daemon/stabilization.hpp"
 #include "drivers/driver_table.hpp"
@@ -21,6 +22,8 @@ namespace gimbal {
 struct ReplaySettings {
   std::filesystem::path session;
   Repeat repeat = Repeat::forever;
+
+  bool operator==(const ReplaySettings&) const = default;
 };
 
 /// What is known of a camera and its IMU, beside what the devices tell.
@@ -36,6 +39,8 @@ struct CalibrationSettings {
   std::optional<TimestampReference> timestamp;
   std::optional<Eigen::Matrix3d> R_camera_imu;
   std::optional<SensorDuration> imu_delay;
+
+  bool operator==(const CalibrationSettings&) const = default;
 };
 
 /// Where frames and samples come from.
@@ -50,6 +55,7 @@ struct Configuration {
   CalibrationSettings calibration;
   StabilizationSettings stabilization;
   std::vector<OutputSettings> outputs;
+  ControlSettings control;
 };
 
 /// Where the daemon looks if it is not told: /etc/gimbald/gimbald.toml, then

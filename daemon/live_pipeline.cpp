@@ -94,6 +94,7 @@ LivePipeline::LivePipeline(LiveSources sources, Stabilizer stabilizer,
       imu_("imu", std::move(sources.imu)),
       format_(sources.format),
       calibration_(sources.camera_calibration),
+      imu_calibration_(sources.imu_calibration),
       observer_(observer),
       inflow_(kHeldInflow),
       drawings_(kHeldDrawings),
@@ -169,11 +170,18 @@ void LivePipeline::read_imu() {
 // --- following the camera -----------------------------------------------------------------------
 
 void LivePipeline::follow() {
+  SensorDuration busy{};  // since the frame before
   while (sources_running_ > 0) {
     const auto item = inflow_.pop();
     if (!item) break;
+    const SensorTime begin = monotonic_now();
     std::visit([this](const auto& one) { take(one); }, *item);
     while (const auto camera = stabilizer_.next_camera()) hand_on(*camera);
+    busy += monotonic_now() - begin;
+    if (std::holds_alternative<VideoFrame>(*item)) {
+      follow_time_.add(std::exchange(busy, SensorDuration::zero()));
+    }
+    frames_held_ = held_.size();
   }
   aligner_.finish();
   push_aligned_samples();
@@ -257,7 +265,8 @@ void LivePipeline::hand_on_all() {
 void LivePipeline::hand_on(const VirtualCamera& camera) {
   {
     const std::lock_guard lock(mutex_);
-    q_world_camera_ = stabilizer_.real_pose(camera.stamp).q_world_camera;
+    attitude_ = {stabilizer_.time_of_pose(camera.stamp),
+                 stabilizer_.real_pose(camera.stamp).q_world_camera};
     suspicion_ = stabilizer_.suspicion();
   }
   drawings_.push({std::move(held_.front()), stabilizer_.mesh_for(camera)});
@@ -281,11 +290,13 @@ void LivePipeline::draw(std::promise<Result<void>>& can_draw) {
       if (is_camera_lost_) draw_no_signal();
       continue;
     }
+    const SensorTime begin = monotonic_now();
     auto drawn = draw_one(*warper, *drawing);
     if (!drawn) {
       fail(drawn.error());
       return;
     }
+    drawing_time_.add(monotonic_now() - begin);
     note_age(drawn->stamp.time);
     ++frames_out_;
     show(std::move(*drawn));
@@ -336,6 +347,7 @@ void LivePipeline::show(VideoFrame frame) {
 
 void LivePipeline::note_age(SensorTime stamp) {
   const SensorDuration age = monotonic_now() - stamp;
+  drawn_age_.add(age);
   const std::lock_guard lock(mutex_);
   ages_.push_back(age);
   if (ages_.size() > kRememberedAges) ages_.pop_front();
@@ -372,8 +384,14 @@ LiveStatus LivePipeline::status() const {
   status.is_coasting = is_coasting_;
   status.counts = counts();
   status.age = age();
+  status.frames_held = frames_held_;
+  status.inflow_depth = inflow_.size();
+  status.drawings_depth = drawings_.size();
+  status.follow_time = follow_time_.counts();
+  status.drawing_time = drawing_time_.counts();
+  status.drawn_age = drawn_age_.counts();
   const std::lock_guard lock(mutex_);
-  status.q_world_camera = q_world_camera_;
+  status.attitude = attitude_;
   status.suspicion = suspicion_;
   return status;
 }

@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include "daemon/histogram.hpp"
 #include "daemon/output.hpp"
 #include "daemon/revived_source.hpp"
 #include "daemon/stabilization.hpp"
@@ -52,15 +53,27 @@ struct FrameAge {
   SensorDuration p99{};
 };
 
+/// Where the camera looked when the row was read that a frame is drawn around.
+struct CameraAttitude {
+  SensorTime time;  ///< on the IMU's clock
+  Eigen::Quaterniond q_world_camera;
+};
+
 /// How things are at an instant.
 struct LiveStatus {
   SourceStatus camera;
   SourceStatus imu;
   bool is_coasting = false;  ///< no samples come: the picture is passed through
   LiveCounts counts;
-  FrameAge age;                                      ///< of the last frames
-  std::optional<Eigen::Quaterniond> q_world_camera;  ///< of the last frame drawn
-  std::string suspicion;                             ///< see AttitudeStream; empty if none
+  FrameAge age;                            ///< of the last frames
+  std::optional<CameraAttitude> attitude;  ///< of the last frame that was handed on to be drawn
+  std::size_t frames_held = 0;             ///< for the orientations and for the path
+  std::size_t inflow_depth = 0;            ///< of what the sources deliver
+  std::size_t drawings_depth = 0;          ///< of what waits to be drawn
+  Histogram::Counts follow_time;           ///< orientation and path, a frame
+  Histogram::Counts drawing_time;          ///< a frame
+  Histogram::Counts drawn_age;             ///< of a frame when it is drawn
+  std::string suspicion;                   ///< see AttitudeStream; empty if none
 };
 
 /// Sees what the sources deliver, on their threads. Must not wait.
@@ -112,6 +125,8 @@ class LivePipeline {
   [[nodiscard]] LiveCounts counts() const;
   [[nodiscard]] FrameAge age() const;  ///< of the last frames
   [[nodiscard]] const std::vector<std::unique_ptr<Output>>& outputs() const { return outputs_; }
+  [[nodiscard]] const CameraCalibration& calibration() const { return calibration_; }
+  [[nodiscard]] const ImuCalibration& imu_calibration() const { return imu_calibration_; }
 
   /// What draws.
   [[nodiscard]] std::string renderer() const;
@@ -162,6 +177,7 @@ class LivePipeline {
   RevivedSource<ImuSource, ImuReading> imu_;
   const CameraFormat format_;
   const CameraCalibration calibration_;
+  const ImuCalibration imu_calibration_;
   SourceObserver* const observer_;
   std::vector<std::unique_ptr<Output>> outputs_;
 
@@ -188,6 +204,10 @@ class LivePipeline {
   std::atomic<std::uint64_t> no_signal_pictures_ = 0;
   std::atomic<std::uint64_t> samples_ = 0;
   std::atomic<std::uint64_t> samples_off_clock_ = 0;
+  std::atomic<std::size_t> frames_held_ = 0;
+  Histogram follow_time_;
+  Histogram drawing_time_;
+  Histogram drawn_age_;
   std::atomic<bool> is_camera_lost_ = false;
   std::atomic<bool> is_coasting_ = false;
   std::atomic<bool> has_ended_ = false;
@@ -195,7 +215,7 @@ class LivePipeline {
   mutable std::mutex mutex_;
   std::string renderer_;
   std::string suspicion_;
-  std::optional<Eigen::Quaterniond> q_world_camera_;
+  std::optional<CameraAttitude> attitude_;
   std::optional<Error> failure_;
   std::deque<SensorDuration> ages_;
 

@@ -13,7 +13,12 @@
 #include "daemon/live_pipeline.hpp"
 #include "daemon/live_sources.hpp"
 #include "daemon/service_notify.hpp"
+#include "daemon/supervisor.hpp"
 #include "drivers/clock/monotonic_now.hpp"
+#ifdef GIMBALD_HAS_CONTROL
+#include "daemon/control_api.hpp"
+#include "daemon/control_server.hpp"
+#endif
 
 namespace gimbal {
 namespace {
@@ -38,29 +43,31 @@ sigset_t block_signals() {
 }
 
 /// What does not fit is not taken: the daemon goes on as before.
-void reload(LivePipeline& pipeline, const std::vector<std::filesystem::path>& files) {
+Result<ReloadReport> reload(Supervisor& daemon) {
   notify_service(fmt::format("RELOADING=1\nMONOTONIC_USEC={}",
                              monotonic_now().time_since_epoch() / std::chrono::microseconds(1)));
-  if (const auto configuration = load_configuration(files)) {
-    pipeline.apply(configuration->stabilization);
-    log_line(LogLevel::info,
-             "reloaded: amount, path, latency, zoom and border are as the files say now; all else "
-             "from the next start on");
+  auto report = daemon.reload();
+  if (report) {
+    const auto names = [](const std::vector<std::string>& keys) {
+      return keys.empty() ? std::string("nothing") : fmt::format("{}", fmt::join(keys, ", "));
+    };
+    log_line(LogLevel::info, fmt::format("reloaded: {} changed; from the next start on: {}",
+                                         names(report->applied), names(report->at_next_start)));
   } else {
-    log_line(LogLevel::error, "not reloaded: " + configuration.error().message);
+    log_line(LogLevel::error, "not reloaded: " + report.error().message);
   }
   notify_service("READY=1");
+  return report;
 }
 
 /// Until a signal or the pipeline's own end. The watchdog is fed only while pictures come out.
-void wait_for_end(LivePipeline& pipeline, const sigset_t& signals,
-                  const std::vector<std::filesystem::path>& files) {
+void wait_for_end(LivePipeline& pipeline, Supervisor& daemon, const sigset_t& signals) {
   const timespec look{0, std::chrono::nanoseconds(kLook).count()};
   std::uint64_t progress_seen = 0;
   while (!pipeline.has_ended()) {
     const int signal = sigtimedwait(&signals, nullptr, &look);
     if (signal == SIGINT || signal == SIGTERM) return;
-    if (signal == SIGHUP) reload(pipeline, files);
+    if (signal == SIGHUP) static_cast<void>(reload(daemon));
     if (pipeline.progress() == progress_seen) continue;
     progress_seen = pipeline.progress();
     const LiveCounts counts = pipeline.counts();
@@ -95,9 +102,19 @@ int run(const Configuration& configuration, const std::vector<std::filesystem::p
   auto pipeline =
       LivePipeline::start(std::move(*sources), configuration.stabilization, configuration.outputs);
   if (!pipeline) return report(pipeline.error());
+  Supervisor daemon(**pipeline, configuration, files);
+#ifdef GIMBALD_HAS_CONTROL
+  ControlApi api(daemon);
+  auto control = ControlServer::start(
+      configuration.control, [&](const auto&... request) { return api.answer(request...); });
+  if (!control) return report(control.error());
+#endif
   notify_service("READY=1");
-  wait_for_end(**pipeline, signals, files);
+  wait_for_end(**pipeline, daemon, signals);
   notify_service("STOPPING=1");
+#ifdef GIMBALD_HAS_CONTROL
+  control->reset();
+#endif
   (*pipeline)->stop();
   log_summary(**pipeline);
   if (const auto failure = (*pipeline)->failure()) return report(*failure);

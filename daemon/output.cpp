@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "daemon/journal.hpp"
+#include "drivers/clock/monotonic_now.hpp"
 
 namespace gimbal {
 namespace {
@@ -38,7 +39,11 @@ void Output::finish() {
 
 void Output::run() {
   while (const auto frame = frames_.pop()) {
+    const SensorTime begin = monotonic_now();
     if (write(*frame)) {
+      const SensorTime end = monotonic_now();
+      writing_time_.add(end - begin);
+      written_age_.add(end - frame->stamp.time);
       ++written_;
     } else {
       ++lost_;
@@ -56,6 +61,7 @@ bool Output::write(const VideoFrame& frame) {
     return false;
   }
   backoff_ = kFirstBackoff;
+  works_ = true;
   return true;
 }
 
@@ -69,6 +75,7 @@ Result<void> Output::open_for(const VideoFrame& frame) {
 
 void Output::fail(const Error& error) {
   sink_.reset();
+  works_ = false;
   is_gone_ = target_.reopening == Reopening::impossible;
   if (is_gone_) {
     log_line(LogLevel::error, fmt::format("output {}: {}", target_.name, error.message));

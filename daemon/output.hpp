@@ -7,6 +7,7 @@
 #include <string>
 #include <thread>
 
+#include "daemon/histogram.hpp"
 #include "daemon/output_target.hpp"
 #include "pipeline/queue/bounded_queue.hpp"
 #include "pipeline/sample/video_frame.hpp"
@@ -34,6 +35,14 @@ class Output {
   [[nodiscard]] std::uint64_t written() const { return written_; }
   [[nodiscard]] std::uint64_t dropped() const { return frames_.dropped() + lost_; }
 
+  /// How long a frame took to be written, and how old it was then.
+  [[nodiscard]] Histogram::Counts writing_time() const { return writing_time_.counts(); }
+  [[nodiscard]] Histogram::Counts written_age() const { return written_age_.counts(); }
+  [[nodiscard]] std::size_t queued() const { return frames_.size(); }
+
+  /// Whether it takes frames; false from a failure until it is open again.
+  [[nodiscard]] bool works() const { return works_; }
+
   /// Whether it failed and cannot be opened again: a file, or standard output that nobody reads.
   [[nodiscard]] bool is_gone() const { return is_gone_; }
 
@@ -53,7 +62,10 @@ class Output {
   std::chrono::seconds backoff_;
   std::atomic<std::uint64_t> written_ = 0;
   std::atomic<std::uint64_t> lost_ = 0;  ///< while there was no sink
+  std::atomic<bool> works_ = true;
   std::atomic<bool> is_gone_ = false;
+  Histogram writing_time_;
+  Histogram written_age_;
   std::thread thread_;
 };
 

@@ -14,10 +14,14 @@ namespace gimbal {
 /// What `gimbalctl stabilize -o` takes as well: "-", a file, or a pipeline text.
 struct TextOutput {
   std::string text;
+
+  bool operator==(const TextOutput&) const = default;
 };
 
 /// I420 pictures on standard output, one after the other, with nothing between them.
-struct RawStdoutOutput {};
+struct RawStdoutOutput {
+  bool operator==(const RawStdoutOutput&) const = default;
+};
 
 /// Files of equal length, one after the other, named after the time when the first was begun.
 struct SegmentOutput {
@@ -25,6 +29,8 @@ struct SegmentOutput {
   SensorDuration length = std::chrono::minutes(10);
   int kept = 0;       ///< the oldest of this run go when there are more; 0: all stay
   std::string audio;  ///< pipeline text of a live source; empty for none
+
+  bool operator==(const SegmentOutput&) const = default;
 };
 
 /// To clients that ask for it.
@@ -34,6 +40,8 @@ struct RtspOutput {
   std::string path = "/gimbald";
   int bitrate_kbps = 4000;
   std::string audio;
+
+  bool operator==(const RtspOutput&) const = default;
 };
 
 /// H.264 in RTP (RFC 6184), payload type 96, sent whether somebody listens or not.
@@ -41,20 +49,28 @@ struct UdpOutput {
   std::string host = "127.0.0.1";
   int port = 5000;
   int bitrate_kbps = 4000;
+
+  bool operator==(const UdpOutput&) const = default;
 };
 
 /// A camera for other programs, through the kernel's v4l2loopback.
 struct LoopbackOutput {
   std::filesystem::path device;
+
+  bool operator==(const LoopbackOutput&) const = default;
 };
 
 /// I420 pictures in memory that GStreamer's shmsrc reads.
 struct ShmOutput {
   std::filesystem::path socket;
+
+  bool operator==(const ShmOutput&) const = default;
 };
 
 /// On this machine's screen.
-struct DisplayOutput {};
+struct DisplayOutput {
+  bool operator==(const DisplayOutput&) const = default;
+};
 
 using OutputSettings = std::variant<TextOutput, RawStdoutOutput, SegmentOutput, RtspOutput,
                                     UdpOutput, LoopbackOutput, ShmOutput, DisplayOutput>;

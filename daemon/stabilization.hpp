@@ -50,6 +50,8 @@ struct StabilizationSettings {
   PathKind path = PathKind::adaptive_hann;
   Correction correction = Correction::rectify_and_stabilize;
   std::optional<double> reference_line;  ///< none: the middle
+
+  bool operator==(const StabilizationSettings&) const = default;
 };
 
 [[nodiscard]] std::unique_ptr<CameraPath> make_path(const StabilizationSettings& settings,

@@ -27,6 +27,8 @@ struct CameraSettings {
   CameraDriver driver = CameraDriver::v4l2;
   V4l2CameraSettings v4l2;
   LibcameraSettings libcamera;
+
+  bool operator==(const CameraSettings&) const = default;
 };
 
 struct ImuSettings {
@@ -34,6 +36,8 @@ struct ImuSettings {
   IioImuSettings iio;
   I2cImuSettings i2c;  ///< of whichever chip the driver is for; an address of 0 is its usual one
   std::string data_ready;  ///< the line of the chip's interrupt, as "gpiochip0:17"; empty for none
+
+  bool operator==(const ImuSettings&) const = default;
 };
 
 /// `bad_input` where the settings cannot be met, or where the driver's library was not there when

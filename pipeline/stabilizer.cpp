@@ -157,7 +157,11 @@ void Stabilizer::forget(const FrameStamp& stamp) {
 }
 
 FramePose Stabilizer::real_pose(const FrameStamp& stamp) const {
-  return {stamp, q_world_camera(timing_.time_of_line(stamp, reference_line_))};
+  return {stamp, q_world_camera(time_of_pose(stamp))};
+}
+
+SensorTime Stabilizer::time_of_pose(const FrameStamp& stamp) const {
+  return timing_.time_of_line(stamp, reference_line_);
 }
 
 AttitudeOrigin Stabilizer::origin_of(const FrameStamp& stamp) const {

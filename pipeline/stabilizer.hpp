@@ -78,8 +78,9 @@ class Stabilizer {
   /// The same for all frames that are read out before `time`.
   void forget_before(SensorTime time) { history_.forget_before(time); }
 
-  /// The real camera at the reference line of the frame.
+  /// The real camera at the reference line of the frame, and when that was, on the IMU's clock.
   [[nodiscard]] FramePose real_pose(const FrameStamp& stamp) const;
+  [[nodiscard]] SensorTime time_of_pose(const FrameStamp& stamp) const;
 
   /// How the orientations inside the frame's readout were obtained: the worst of its first and
   /// last.

@@ -58,7 +58,8 @@ int run(CLI::App& app, int argc, char** argv, const gimbal::CommandOutcome& outc
 int main(int argc, char** argv) {
   // A reader that goes away is an error to tell of, also where libraries write for us.
   std::signal(SIGPIPE, SIG_IGN);
-  CLI::App app{"Steady video from Linux cameras: works on recordings, lists devices", "gimbalctl"};
+  CLI::App app{"Steady video from Linux cameras: works on recordings, talks to gimbald",
+               "gimbalctl"};
   app.set_version_flag("--version", GIMBALD_VERSION);
   app.require_subcommand(1);
   gimbal::CommandOutcome outcome;
@@ -67,5 +68,8 @@ int main(int argc, char** argv) {
   gimbal::add_sessions_command(app, outcome);
   gimbal::add_simulate_command(app, outcome);
   gimbal::add_devices_command(app, outcome);
+#ifdef GIMBALD_HAS_CONTROL
+  gimbal::add_live_commands(app, outcome);
+#endif
   return run(app, argc, argv, outcome);
 }

@@ -15,6 +15,8 @@ namespace gimbal {
 struct I2cAddress {
   std::string bus = "/dev/i2c-1";
   std::uint8_t chip = 0;
+
+  bool operator==(const I2cAddress&) const = default;
 };
 
 /// "/dev/i2c-1:0x68"

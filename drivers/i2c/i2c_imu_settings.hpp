@@ -30,6 +30,8 @@ struct I2cImuSettings {
   SensorDuration drain_period = std::chrono::milliseconds(5);
   /// How long the chip may deliver nothing until that is an error.
   SensorDuration silence_limit = std::chrono::seconds(1);
+
+  bool operator==(const I2cImuSettings&) const = default;
 };
 
 }  // namespace gimbal

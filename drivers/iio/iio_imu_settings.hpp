@@ -28,6 +28,8 @@ struct IioImuSettings {
   SensorDuration merge_patience = std::chrono::milliseconds(100);
   /// What is done with stamps that are not on CLOCK_MONOTONIC.
   ForeignClock foreign_clock = ForeignClock::map;
+
+  bool operator==(const IioImuSettings&) const = default;
 };
 
 }  // namespace gimbal

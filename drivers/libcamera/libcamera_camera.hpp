@@ -29,6 +29,8 @@ struct LibcameraSettings {
   std::optional<TimestampReference> timestamp;
   /// Without a picture for so long the camera counts as lost.
   SensorDuration silence_limit = std::chrono::seconds(2);
+
+  bool operator==(const LibcameraSettings&) const = default;
 };
 
 /// The camera is opened by `start`, anew each time. Only what is wrong with the settings themselves

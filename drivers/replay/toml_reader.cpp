@@ -119,16 +119,20 @@ TomlTable::~TomlTable() = default;
 Result<TomlTable> TomlTable::load(const std::filesystem::path& path) {
   const Result<std::string> text = read_text(path);
   if (!text) return tl::unexpected(text.error());
+  return parse(*text, path.string());
+}
+
+Result<TomlTable> TomlTable::parse(const std::string& text, const std::string& origin) {
   auto state = std::make_unique<State>();
-  state->file = path.string();
+  state->file = origin;
   try {
-    state->document = std::make_shared<const toml::table>(toml::parse(*text));
+    state->document = std::make_shared<const toml::table>(toml::parse(text));
     state->table = state->document.get();
   } catch (const toml::parse_error& error) {
     std::string reason(error.description());
     std::replace(reason.begin(), reason.end(), '\n', ' ');
     return bad_input(
-        fmt::format("{}, line {}: {}", path.string(), error.source().begin.line, reason));
+        fmt::format("{}, line {}: {}", origin, error.source().begin.line, reason));
   }
   return TomlTable(std::move(state));
 }

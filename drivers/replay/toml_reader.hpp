@@ -29,6 +29,9 @@ class TomlTable {
   /// Refuses what is not UTF-8, not TOML, or larger than a megabyte.
   [[nodiscard]] static Result<TomlTable> load(const std::filesystem::path& path);
 
+  /// As a file of the name `origin` with this text would be read.
+  [[nodiscard]] static Result<TomlTable> parse(const std::string& text, const std::string& origin);
+
   TomlTable(TomlTable&&) noexcept;
   TomlTable& operator=(TomlTable&&) noexcept;
   ~TomlTable();

@@ -39,6 +39,8 @@ struct V4l2CameraSettings {
   /// Pictures that the device may fill, 2 to 32. Those that the pipeline holds are among them; when
   /// it holds too many, frames are copied.
   int buffers = 8;
+
+  bool operator==(const V4l2CameraSettings&) const = default;
 };
 
 /// The device is opened by `start`, anew each time, so that one that was unplugged can come back

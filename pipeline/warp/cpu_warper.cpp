@@ -161,7 +161,7 @@ class CpuWarper final : public Warper {
   }
 
   [[nodiscard]] std::string name() const override { return "cpu"; }
-  [[nodiscard]] std::string renderer() const override { return "cpu, scalar"; }
+  [[nodiscard]] std::string renderer() const override { return "scalar"; }
 
  private:
   PicturePool pool_;

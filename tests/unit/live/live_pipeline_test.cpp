@@ -168,7 +168,7 @@ class LivePipelineTest : public ::testing::Test {
 
 TEST_F(LivePipelineTest, EveryFrameIsOutOrCounted) {
   ASSERT_TRUE(frames_come());
-  EXPECT_TRUE(pipeline_->status().q_world_camera);
+  EXPECT_TRUE(pipeline_->status().attitude);
   pipeline_->stop();
   expect_that_frames_add_up();
   EXPECT_EQ(pipeline_->counts().no_signal_pictures, 0U);

@@ -1,0 +1,69 @@
+#include "daemon/stabilization_keys.hpp"
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace gimbal {
+namespace {
+
+constexpr int kLongestLatencyFrames = 300;
+constexpr double kLargestZoom = 10;
+
+/// The value of a word among a map's.
+template <typename T>
+void read_choice(TomlTable& table, std::string_view key, const std::map<std::string, T>& names,
+                 T& value) {
+  std::vector<NamedValue<T>> allowed;
+  allowed.reserve(names.size());
+  for (const auto& [name, named] : names) allowed.push_back({name, named});
+  if (const auto choice = table.choice<T>(key, allowed)) value = *choice;
+}
+
+void read_zoom(TomlTable& table, std::optional<double>& zoom) {
+  if (!table.has("zoom")) return;
+  if (table.is_text("zoom")) {
+    if (table.text("zoom") != "auto") table.refuse("zoom", "must be \"auto\" or a ratio");
+    zoom.reset();
+  } else if (const auto ratio = table.number("zoom")) {
+    if (!(*ratio >= 1 && *ratio <= kLargestZoom)) {
+      table.refuse("zoom", "must be from 1 to 10, such as 1.15, or \"auto\"");
+    }
+    zoom = *ratio;
+  }
+}
+
+}  // namespace
+
+void read_live_stabilization(TomlTable& table, StabilizationSettings& settings) {
+  if (const auto amount = table.number("amount")) {
+    if (!(*amount >= 0 && *amount <= 1)) table.refuse("amount", "must be from 0 to 1");
+    settings.amount = *amount;
+  }
+  if (const auto frames = table.integer("latency_frames", 0, kLongestLatencyFrames)) {
+    settings.latency = static_cast<std::size_t>(*frames);
+  }
+  read_zoom(table, settings.zoom);
+  read_choice(table, "border", border_names(), settings.border);
+  read_choice(table, "path", path_names(), settings.path);
+}
+
+void read_stabilization(TomlTable& table, StabilizationSettings& settings) {
+  read_live_stabilization(table, settings);
+  read_choice(table, "estimator", estimator_names(), settings.estimator);
+  if (table.has("warper")) {
+    WarperKind kind{};
+    read_choice(table, "warper", warper_names(), kind);
+    settings.warper = kind;
+  }
+}
+
+Result<void> verdict(const TomlTable& table) {
+  if (table.error()) return tl::unexpected(*table.error());
+  if (const auto unknown = table.unknown_keys(); !unknown.empty()) {
+    return bad_input(unknown.front());
+  }
+  return {};
+}
+
+}  // namespace gimbal

@@ -1,0 +1,128 @@
+#include "daemon/status_json.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <string>
+
+namespace gimbal {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json as_json(const SourceStatus& source) {
+  return {{"delivers", source.obstacle.empty()},
+          {"obstacle", source.obstacle.empty() ? Json(nullptr) : Json(source.obstacle)},
+          {"restarts", source.restarts},
+          {"lost", source.lost}};
+}
+
+Json as_json(const Eigen::Quaterniond& q) {
+  return Json::array({q.w(), q.x(), q.y(), q.z()});
+}
+
+double in_degrees(double rad) {
+  return rad * 180 / std::numbers::pi;
+}
+
+/// Where the camera looks, for people: how far up, how far turned about the line of sight, and
+/// which way round, from where it looked at the start. World z is up; the camera's axes are x
+/// right, y down, z forward.
+Json angles_as_json(const Eigen::Quaterniond& q_world_camera) {
+  const Eigen::Matrix3d R = q_world_camera.toRotationMatrix();
+  const Eigen::Vector3d forward = R.col(2);
+  const double up = std::clamp(forward.z(), -1.0, 1.0);
+  // The camera's right side and its upper side, seen against the vertical.
+  return {{"heading", in_degrees(std::atan2(forward.y(), forward.x()))},
+          {"elevation", in_degrees(std::asin(up))},
+          {"roll", in_degrees(std::atan2(-R(2, 0), -R(2, 1)))}};
+}
+
+Json as_json(const CameraAttitude& attitude, const ImuCalibration& imu) {
+  const Eigen::Quaterniond q_world_imu =
+      attitude.q_world_camera * Eigen::Quaterniond(imu.R_camera_imu);
+  return {{"t_s", seconds_since_epoch(attitude.time)},
+          {"q_world_camera", as_json(attitude.q_world_camera)},
+          {"q_world_imu", as_json(q_world_imu)},
+          {"degrees", angles_as_json(attitude.q_world_camera)}};
+}
+
+Json as_json(const LiveCounts& counts) {
+  return {{"in", counts.frames_in},
+          {"out", counts.frames_out},
+          {"dropped",
+           {{"no_orientation", counts.dropped_without_orientation},
+            {"before_drawing", counts.dropped_before_drawing},
+            {"out_of_order", counts.dropped_out_of_order}}},
+          {"no_signal", counts.no_signal_pictures}};
+}
+
+Json outputs_as_json(const LivePipeline& pipeline) {
+  Json outputs = Json::array();
+  for (const auto& output : pipeline.outputs()) {
+    outputs.push_back({{"name", output->name()},
+                       {"written", output->written()},
+                       {"dropped", output->dropped()},
+                       {"works", output->works()}});
+  }
+  return outputs;
+}
+
+Json degraded(const LiveStatus& status, const LivePipeline& pipeline) {
+  Json states = Json::array();
+  if (!status.camera.obstacle.empty()) states.emplace_back("no-camera");
+  if (!status.imu.obstacle.empty()) states.emplace_back("no-imu");
+  if (status.is_coasting) states.emplace_back("passing-through");
+  if (!status.suspicion.empty()) states.emplace_back("implausible-samples");
+  if (std::ranges::any_of(pipeline.outputs(), [](const auto& o) { return !o->works(); })) {
+    states.emplace_back("output-failed");
+  }
+  return states;
+}
+
+/// The word for a value; each has one.
+template <typename Value>
+const std::string& name_of(Value value, const std::map<std::string, Value>& names) {
+  return std::ranges::find_if(names, [&](const auto& named) { return named.second == value; })
+      ->first;
+}
+
+}  // namespace
+
+Json live_settings_as_json(const StabilizationSettings& settings) {
+  return {{"amount", settings.amount},
+          {"path", name_of(settings.path, path_names())},
+          {"latency_frames", settings.latency ? Json(*settings.latency) : Json(nullptr)},
+          {"zoom", settings.zoom ? Json(*settings.zoom) : Json("auto")},
+          {"border", name_of(settings.border, border_names())}};
+}
+
+Json status_as_json(const Supervisor& daemon) {
+  const LivePipeline& pipeline = daemon.pipeline();
+  const LiveStatus status = pipeline.status();
+  const CameraCalibration& calibration = pipeline.calibration();
+  Json camera = as_json(status.camera);
+  camera["width"] = calibration.size.width;
+  camera["height"] = calibration.size.height;
+  camera["fps"] = calibration.fps;
+  Json imu = as_json(status.imu);
+  imu["samples"] = status.counts.samples;
+  imu["samples_off_clock"] = status.counts.samples_off_clock;
+  return {
+      {"version", GIMBALD_VERSION},
+      {"degraded", degraded(status, pipeline)},
+      {"camera", camera},
+      {"imu", imu},
+      {"orientation",
+       status.attitude ? as_json(*status.attitude, pipeline.imu_calibration()) : Json(nullptr)},
+      {"suspicion", status.suspicion.empty() ? Json(nullptr) : Json(status.suspicion)},
+      {"frames", as_json(status.counts)},
+      {"age_s", {{"median", to_seconds(status.age.median)}, {"p99", to_seconds(status.age.p99)}}},
+      {"renderer", pipeline.renderer()},
+      {"settings", live_settings_as_json(daemon.settings())},
+      {"outputs", outputs_as_json(pipeline)},
+  };
+}
+
+}  // namespace gimbal

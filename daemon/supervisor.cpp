@@ -1,0 +1,88 @@
+#include "daemon/supervisor.hpp"
+
+#include <utility>
+
+#include "daemon/stabilization_keys.hpp"
+
+namespace gimbal {
+namespace {
+
+/// The keys that may change while pictures are drawn, as far as they differ.
+std::vector<std::string> changed_live_keys(const StabilizationSettings& before,
+                                           const StabilizationSettings& after) {
+  std::vector<std::string> keys;
+  if (before.amount != after.amount) keys.emplace_back("amount");
+  if (before.path != after.path) keys.emplace_back("path");
+  if (before.latency != after.latency) keys.emplace_back("latency_frames");
+  if (before.zoom != after.zoom) keys.emplace_back("zoom");
+  if (before.border != after.border) keys.emplace_back("border");
+  return keys;
+}
+
+std::vector<std::string> changed_other_keys(const Configuration& before,
+                                            const Configuration& after) {
+  std::vector<std::string> keys;
+  if (before.stabilization.estimator != after.stabilization.estimator) {
+    keys.emplace_back("stabilization.estimator");
+  }
+  if (before.stabilization.warper != after.stabilization.warper) {
+    keys.emplace_back("stabilization.warper");
+  }
+  if (before.source != after.source || before.camera != after.camera ||
+      before.calibration != after.calibration) {
+    keys.emplace_back("camera");
+  }
+  if (before.imu != after.imu) keys.emplace_back("imu");
+  if (before.replay != after.replay) keys.emplace_back("replay");
+  if (before.outputs != after.outputs) keys.emplace_back("outputs");
+  if (before.control != after.control) keys.emplace_back("control");
+  return keys;
+}
+
+/// All that may change while pictures are drawn.
+void take_over(const StabilizationSettings& from, StabilizationSettings& to) {
+  to.amount = from.amount;
+  to.path = from.path;
+  to.latency = from.latency;
+  to.zoom = from.zoom;
+  to.border = from.border;
+}
+
+}  // namespace
+
+Supervisor::Supervisor(LivePipeline& pipeline, Configuration configuration,
+                       std::vector<std::filesystem::path> files)
+    : pipeline_(pipeline),
+      files_(std::move(files)),
+      at_start_(std::move(configuration)),
+      settings_(at_start_.stabilization) {}
+
+Result<ReloadReport> Supervisor::reload() {
+  const auto read = load_configuration(files_);
+  if (!read) return tl::unexpected(read.error());
+  const std::lock_guard lock(mutex_);
+  const ReloadReport report{changed_live_keys(settings_, read->stabilization),
+                            changed_other_keys(at_start_, *read)};
+  take_over(read->stabilization, settings_);
+  pipeline_.apply(settings_);
+  return report;
+}
+
+Result<void> Supervisor::set(const std::string& toml) {
+  auto table = TomlTable::parse(toml, "set");
+  if (!table) return tl::unexpected(table.error());
+  const std::lock_guard lock(mutex_);
+  StabilizationSettings changed = settings_;
+  read_live_stabilization(*table, changed);
+  if (auto sound = verdict(*table); !sound) return sound;
+  settings_ = changed;
+  pipeline_.apply(settings_);
+  return {};
+}
+
+StabilizationSettings Supervisor::settings() const {
+  const std::lock_guard lock(mutex_);
+  return settings_;
+}
+
+}  // namespace gimbal

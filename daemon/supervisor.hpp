@@ -1,0 +1,44 @@
+#pragma once
+
+#include <filesystem>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "daemon/configuration.hpp"
+#include "daemon/live_pipeline.hpp"
+
+namespace gimbal {
+
+/// What a reload did.
+struct ReloadReport {
+  std::vector<std::string> applied;        ///< keys that are as the files say from now on
+  std::vector<std::string> at_next_start;  ///< tables and keys that differ, but wait for that
+};
+
+/// What can be asked of a running daemon beside its pictures. Any thread may ask.
+class Supervisor {
+ public:
+  /// `pipeline` lives longer; `files` are where the configuration came from.
+  Supervisor(LivePipeline& pipeline, Configuration configuration,
+             std::vector<std::filesystem::path> files);
+
+  /// Reads the files again. If they are not sound nothing changes.
+  [[nodiscard]] Result<ReloadReport> reload();
+
+  /// `toml`: keys of the table [stabilization] that may change while pictures are drawn. If one is
+  /// refused nothing changes. Holds until the next reload.
+  [[nodiscard]] Result<void> set(const std::string& toml);
+
+  [[nodiscard]] StabilizationSettings settings() const;
+  [[nodiscard]] const LivePipeline& pipeline() const { return pipeline_; }
+
+ private:
+  LivePipeline& pipeline_;
+  const std::vector<std::filesystem::path> files_;
+  mutable std::mutex mutex_;
+  const Configuration at_start_;    ///< what all but the live settings follow
+  StabilizationSettings settings_;  ///< as they are in force
+};
+
+}  // namespace gimbal
