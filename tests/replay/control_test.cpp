@@ -43,7 +43,8 @@ class Control : public ::testing::Test {
         "ctl() { name=$1; shift; \"$1\" \"$2\" --socket c.sock $3 $4 > $name 2>&1; "
         "echo $? >> $name; }\n"
         "\"$0\" --config run.toml --config more.toml & daemon=$!\n"
-        "for i in $(seq 100); do [ -S c.sock ] && break; sleep 0.1; done; sleep 1.5\n";
+        "for i in $(seq 300); do \"$1\" status --json --socket c.sock 2> none | "
+        "grep -q q_world_imu && break; sleep 0.1; done\n";
     return test::run_program(
         {"sh", "-c", begin + script + "\nkill -TERM $daemon; wait $daemon", GIMBALD, GIMBALCTL},
         kLimit_s);
