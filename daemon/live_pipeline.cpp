@@ -191,6 +191,7 @@ void LivePipeline::follow() {
 }
 
 void LivePipeline::take(const GyroSample& sample) {
+  gyro_rate_.add(sample.time);
   aligner_.push(sample);
   push_aligned_samples();
 }
@@ -384,6 +385,7 @@ LiveStatus LivePipeline::status() const {
   status.is_coasting = is_coasting_;
   status.counts = counts();
   status.age = age();
+  status.gyro_rate_hz = gyro_rate_.rate_hz();
   status.frames_held = frames_held_;
   status.inflow_depth = inflow_.size();
   status.drawings_depth = drawings_.size();

@@ -15,6 +15,7 @@
 #include "daemon/histogram.hpp"
 #include "daemon/output.hpp"
 #include "daemon/revived_source.hpp"
+#include "daemon/sample_rate.hpp"
 #include "daemon/stabilization.hpp"
 #include "drivers/camera_source.hpp"
 #include "drivers/imu_source.hpp"
@@ -74,6 +75,7 @@ struct LiveStatus {
   Histogram::Counts drawing_time;          ///< a frame
   Histogram::Counts drawn_age;             ///< of a frame when it is drawn
   std::string suspicion;                   ///< see AttitudeStream; empty if none
+  double gyro_rate_hz = 0;                 ///< 0 until it is known
 };
 
 /// Sees what the sources deliver, on their threads. Must not wait.
@@ -189,6 +191,7 @@ class LivePipeline {
   Stabilizer stabilizer_;
   ImuAligner aligner_;
   std::deque<VideoFrame> held_;  ///< for the orientations and for the path
+  SampleRate gyro_rate_;
   std::optional<SensorTime> last_frame_;
   std::optional<SensorTime> last_sample_;
   int sources_running_ = 2;

@@ -111,6 +111,8 @@ void add_stages(MetricsText& text, const LiveStatus& status, const LivePipeline&
   text.histogram(status.drawing_time, label("stage", "draw"));
   text.family("drawn_age_seconds", "histogram", "Age of a frame when it is drawn.");
   text.histogram(status.drawn_age);
+  text.family("gyro_rate_hertz", "gauge", "Gyroscope samples a second, by their stamps.");
+  text.sample(status.gyro_rate_hz);
   text.family("time_offset_seconds", "gauge",
               "Added to the camera's stamps to get the IMU's clock.");
   text.sample(to_seconds(pipeline.calibration().time_offset));

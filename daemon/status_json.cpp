@@ -69,11 +69,21 @@ Json outputs_as_json(const LivePipeline& pipeline) {
   return outputs;
 }
 
+/// With fewer than two samples while a picture is read out, what happens between its rows is not
+/// seen.
+bool is_too_slow(double gyro_rate_hz, SensorDuration readout) {
+  constexpr double kFewest = 2;
+  return gyro_rate_hz > 0 && gyro_rate_hz * to_seconds(readout) < kFewest;
+}
+
 Json degraded(const LiveStatus& status, const LivePipeline& pipeline) {
   Json states = Json::array();
   if (!status.camera.obstacle.empty()) states.emplace_back("no-camera");
   if (!status.imu.obstacle.empty()) states.emplace_back("no-imu");
   if (status.is_coasting) states.emplace_back("passing-through");
+  if (is_too_slow(status.gyro_rate_hz, pipeline.calibration().readout)) {
+    states.emplace_back("imu-too-slow");
+  }
   if (!status.suspicion.empty()) states.emplace_back("implausible-samples");
   if (std::ranges::any_of(pipeline.outputs(), [](const auto& o) { return !o->works(); })) {
     states.emplace_back("output-failed");
@@ -106,8 +116,10 @@ Json status_as_json(const Supervisor& daemon) {
   camera["width"] = calibration.size.width;
   camera["height"] = calibration.size.height;
   camera["fps"] = calibration.fps;
+  camera["readout_s"] = to_seconds(calibration.readout);
   Json imu = as_json(status.imu);
   imu["samples"] = status.counts.samples;
+  imu["rate_hz"] = status.gyro_rate_hz > 0 ? Json(status.gyro_rate_hz) : Json(nullptr);
   imu["samples_off_clock"] = status.counts.samples_off_clock;
   return {
       {"version", GIMBALD_VERSION},

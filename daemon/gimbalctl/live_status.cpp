@@ -44,6 +44,8 @@ std::string state_for_people(const Json& status) {
       {"no-camera", "no camera: the stream shows a picture that says so"},
       {"no-imu", "no IMU"},
       {"passing-through", "no samples come: pictures pass through as the camera takes them"},
+      {"imu-too-slow",
+       "the IMU delivers fewer than two samples while a picture is read out: raise its rate"},
       {"implausible-samples", "the samples are not plausible"},
       {"output-failed", "an output has failed"}};
   std::vector<std::string> states;
@@ -117,7 +119,9 @@ std::string status_for_people(const Json& status) {
                    camera, fmt::format("{}x{} at {:.4g} fps", count_at(camera, "/width"),
                                        count_at(camera, "/height"), number_at(camera, "/fps"))));
   const Json imu = part("imu");
-  text += line("IMU", source_for_people(imu, fmt::format("{} samples", count_at(imu, "/samples"))));
+  text += line(
+      "IMU", source_for_people(imu, fmt::format("{} samples, {:.1f} Hz", count_at(imu, "/samples"),
+                                                number_at(imu, "/rate_hz"))));
   if (const auto off = count_at(imu, "/samples_off_clock")) {
     text += line("", fmt::format("{} samples left out: stamps far from CLOCK_MONOTONIC", off));
   }
