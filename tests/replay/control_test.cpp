@@ -24,15 +24,19 @@ constexpr int kLimit_s = 100;
 class Control : public ::testing::Test {
  protected:
   void SetUp() override {
-    const auto simulated =
-        test::run_program({GIMBALCTL, "simulate", "-o", (folder_.path() / "session").string(),
-                           "--size", "320x240", "--duration", "2", "--motion", "walk", "--quiet"},
-                          kLimit_s);
-    ASSERT_EQ(simulated.exit_status, 0) << simulated.standard_error;
+    simulate("session", "200");
     folder_.write("run.toml",
                   "outputs = [\"videoconvert ! fakesink sync=false\"]\n[replay]\nsession = "
                   "\"session\"\n[control]\nsocket = \"c.sock\"\n");
     folder_.write("more.toml", "");
+  }
+
+  void simulate(const std::string& name, const std::string& gyro_rate_hz) const {
+    const auto simulated = test::run_program(
+        {GIMBALCTL, "simulate", "-o", (folder_.path() / name).string(), "--size", "320x240",
+         "--duration", "2", "--motion", "walk", "--gyro-rate", gyro_rate_hz, "--quiet"},
+        kLimit_s);
+    ASSERT_EQ(simulated.exit_status, 0) << simulated.standard_error;
   }
 
   /// Runs a script of the shell beside a daemon: `ctl` asks it, each into the file named first.
@@ -75,6 +79,16 @@ TEST_F(Control, StatusTellsAPersonAndAProgram) {
   // A hand that walks holds its camera about level.
   EXPECT_NEAR(status["orientation"]["degrees"]["elevation"].get<double>(), 0, 15);
   EXPECT_NEAR(status["orientation"]["degrees"]["roll"].get<double>(), 0, 15);
+}
+
+TEST_F(Control, StatusNamesAnImuThatIsTooSlowForTheReadout) {
+  simulate("slow", "50");
+  folder_.write("more.toml", "[replay]\nsession = \"slow\"\n");
+  const auto ran = beside_a_daemon(
+      "for i in $(seq 300); do ctl told \"$1\" status; grep -q 'fewer than two' told && break; "
+      "sleep 0.1; done");
+  ASSERT_EQ(ran.exit_status, 0) << ran.standard_error;
+  EXPECT_THAT(read("told"), HasSubstr("fewer than two samples while a picture is read out"));
 }
 
 TEST_F(Control, SettingsChangeAndWrongOnesDoNot) {
