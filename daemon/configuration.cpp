@@ -94,6 +94,15 @@ void read_replay(TomlTable& table, ReplaySettings& replay) {
   }
 }
 
+void read_recording(TomlTable& table, RecordingSettings& settings) {
+  constexpr int kMostFree_mb = 1'000'000'000;
+  if (const auto folder = table.text("folder")) settings.folder = *folder;
+  if (auto encoder = table.text("encoder")) settings.encoder = *std::move(encoder);
+  if (const auto least = table.integer("min_free_mb", 0, kMostFree_mb)) {
+    settings.min_free_mb = static_cast<std::uintmax_t>(*least);
+  }
+}
+
 template <typename Read>
 Result<void> read_table(TomlTable& root, std::string_view name, const Read& read) {
   auto table = root.table(name);
@@ -137,6 +146,8 @@ Result<void> read_file(const std::filesystem::path& file, Configuration& configu
       .and_then(read("stabilization",
                      [&](TomlTable& t) { read_stabilization(t, configuration.stabilization); }))
       .and_then(read("control", [&](TomlTable& t) { read_control(t, configuration.control); }))
+      .and_then(
+          read("recording", [&](TomlTable& t) { read_recording(t, configuration.recording); }))
       .and_then([&] { return verdict(*root); });
 }
 

@@ -10,6 +10,7 @@
 
 #include "daemon/control_address.hpp"
 #include "daemon/output_target.hpp"
+#include "daemon/recording_settings.hpp"
 #include "daemon/stabilization.hpp"
 #include "drivers/driver_table.hpp"
 #include "drivers/replay/paced_replay.hpp"
@@ -56,6 +57,7 @@ struct Configuration {
   StabilizationSettings stabilization;
   std::vector<OutputSettings> outputs;
   ControlSettings control;
+  RecordingSettings recording;
 };
 
 /// Where the daemon looks if it is not told: /etc/gimbald/gimbald.toml, then

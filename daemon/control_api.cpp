@@ -54,9 +54,11 @@ Result<std::string> as_toml(const std::string& body) {
 ControlAnswer ControlApi::answer(const std::string& method, const std::string& path,
                                  const std::string& body) {
   const bool is_get = path == "/status" || path == "/metrics";
-  const bool is_post = path == "/set" || path == "/reload";
+  const bool is_record = path == "/record/start" || path == "/record/stop";
+  const bool is_post = path == "/set" || path == "/reload" || is_record;
   if (!is_get && !is_post) {
-    return refusal(kNotFound, "there is /status, /metrics, /set and /reload");
+    return refusal(kNotFound,
+                   "there is /status, /metrics, /set, /reload, /record/start and /record/stop");
   }
   const char* const wanted = is_get ? "GET" : "POST";
   if (method != wanted) return refusal(kMethodNotAllowed, fmt::format("{} takes {}", path, wanted));
@@ -64,6 +66,7 @@ ControlAnswer ControlApi::answer(const std::string& method, const std::string& p
   if (path == "/metrics") {
     return {.content_type = "text/plain; version=0.0.4", .body = metrics_text(daemon_)};
   }
+  if (is_record) return record(path == "/record/start" ? Take::start : Take::stop);
   return path == "/set" ? set(body) : reload();
 }
 
@@ -74,6 +77,16 @@ ControlAnswer ControlApi::set(const std::string& body) {
   const Json settings = live_settings_as_json(daemon_.settings());
   log_line(LogLevel::info, "set: " + settings.dump());
   return as_answer(settings);
+}
+
+ControlAnswer ControlApi::record(Take take) {
+  Recorder& recorder = daemon_.recorder();
+  if (take == Take::start) {
+    if (const auto begun = recorder.start(); !begun) return refusal(begun.error());
+    return as_answer(recording_as_json(recorder.status()));
+  }
+  const auto ended = recorder.stop();
+  return ended ? as_answer(recording_as_json(*ended)) : refusal(ended.error());
 }
 
 ControlAnswer ControlApi::reload() {

@@ -19,6 +19,7 @@ struct ControlAnswer {
 ///     GET  /metrics  see metrics_text
 ///     POST /set      {"amount": 0.5, ...}: what may change live; the settings in force afterwards
 ///     POST /reload   {"applied": [...], "at_next_start": [...]}
+///     POST /record/start, /record/stop   the recording, as in /status
 ///
 /// Where something is wrong the body is {"error": "one line"}.
 class ControlApi {
@@ -31,6 +32,8 @@ class ControlApi {
  private:
   [[nodiscard]] ControlAnswer set(const std::string& body);
   [[nodiscard]] ControlAnswer reload();
+  enum class Take { start, stop };
+  [[nodiscard]] ControlAnswer record(Take take);
 
   Supervisor& daemon_;
 };

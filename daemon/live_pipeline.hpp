@@ -34,6 +34,7 @@ struct LiveSources {
   CameraCalibration camera_calibration;
   ImuCalibration imu_calibration;
   Accelerometer accelerometer = Accelerometer::present;
+  std::string device;  ///< what these are, for people
 };
 
 /// Every frame that came in is out, dropped or still held.

@@ -141,6 +141,7 @@ Result<LiveSources> open_devices(const Configuration& configuration) {
   sources.format = *format;
   sources.camera_calibration = *calibration;
   sources.imu_calibration = imu_calibration(*known, configuration.calibration);
+  sources.device = known->device.empty() ? "a camera with an IMU" : known->device;
   const bool has_no_accel =
       configuration.imu.driver == ImuDriver::iio && configuration.imu.iio.accel_device == "none";
   if (has_no_accel) sources.accelerometer = Accelerometer::absent;
@@ -164,6 +165,7 @@ Result<LiveSources> open_recording(const ReplaySettings& replay) {
   auto format = format_of(*sources.camera);
   if (!format) return tl::unexpected(format.error());
   sources.format = *std::move(format);
+  sources.device = session->device;
   sources.camera_calibration = *session->camera;
   sources.imu_calibration = session->imu;
   sources.accelerometer = session->accel.empty() ? Accelerometer::absent : Accelerometer::present;

@@ -12,6 +12,7 @@
 #include "daemon/journal.hpp"
 #include "daemon/live_pipeline.hpp"
 #include "daemon/live_sources.hpp"
+#include "daemon/recorder.hpp"
 #include "daemon/service_notify.hpp"
 #include "daemon/supervisor.hpp"
 #include "drivers/clock/monotonic_now.hpp"
@@ -95,14 +96,28 @@ void log_summary(const LivePipeline& pipeline) {
   }
 }
 
+/// What a recording says of where it comes from.
+Session recorded_by(const LiveSources& sources) {
+  Session about;
+  about.device = sources.device;
+  about.camera = sources.camera_calibration;
+  about.imu = sources.imu_calibration;
+  about.imu_clock = "CLOCK_MONOTONIC";
+  about.quality = fmt::format("{}x{}@{:g}", sources.format.size.width, sources.format.size.height,
+                              sources.format.fps);
+  about.notes = {"Recorded by gimbald. Stamps are CLOCK_MONOTONIC's."};
+  return about;
+}
+
 int run(const Configuration& configuration, const std::vector<std::filesystem::path>& files) {
   const sigset_t signals = block_signals();
   auto sources = open_sources(configuration);
   if (!sources) return report(sources.error());
-  auto pipeline =
-      LivePipeline::start(std::move(*sources), configuration.stabilization, configuration.outputs);
+  Recorder recorder(configuration.recording, sources->format, recorded_by(*sources));
+  auto pipeline = LivePipeline::start(std::move(*sources), configuration.stabilization,
+                                      configuration.outputs, &recorder);
   if (!pipeline) return report(pipeline.error());
-  Supervisor daemon(**pipeline, configuration, files);
+  Supervisor daemon(**pipeline, recorder, configuration, files);
 #ifdef GIMBALD_HAS_CONTROL
   ControlApi api(daemon);
   auto control = ControlServer::start(
@@ -115,6 +130,7 @@ int run(const Configuration& configuration, const std::vector<std::filesystem::p
 #ifdef GIMBALD_HAS_CONTROL
   control->reset();
 #endif
+  if (recorder.status().is_recording) static_cast<void>(recorder.stop());
   (*pipeline)->stop();
   log_summary(**pipeline);
   if (const auto failure = (*pipeline)->failure()) return report(*failure);

@@ -118,6 +118,15 @@ void add_stages(MetricsText& text, const LiveStatus& status, const LivePipeline&
   text.sample(to_seconds(pipeline.calibration().time_offset));
 }
 
+void add_recording(MetricsText& text, const RecordingStatus& recording) {
+  text.family("recording", "gauge", "Whether a session is being recorded.");
+  text.sample(recording.is_recording ? 1 : 0);
+  text.family("recording_frames", "gauge", "Frames in the present or the last recording.");
+  text.sample(recording.frames);
+  text.family("recording_frames_dropped", "gauge", "Frames that it was too slow for.");
+  text.sample(recording.frames_dropped);
+}
+
 void add_outputs(MetricsText& text, const LivePipeline& pipeline) {
   const auto each = [&](const char* name, const char* type, const char* help, auto value_of) {
     text.family(name, type, help);
@@ -152,6 +161,7 @@ std::string metrics_text(const Supervisor& daemon) {
   add_source(text, status);
   add_stages(text, status, daemon.pipeline());
   add_outputs(text, daemon.pipeline());
+  add_recording(text, daemon.recorder().status());
   return text.text();
 }
 

@@ -76,7 +76,8 @@ bool is_too_slow(double gyro_rate_hz, SensorDuration readout) {
   return gyro_rate_hz > 0 && gyro_rate_hz * to_seconds(readout) < kFewest;
 }
 
-Json degraded(const LiveStatus& status, const LivePipeline& pipeline) {
+Json degraded(const LiveStatus& status, const Supervisor& daemon) {
+  const LivePipeline& pipeline = daemon.pipeline();
   Json states = Json::array();
   if (!status.camera.obstacle.empty()) states.emplace_back("no-camera");
   if (!status.imu.obstacle.empty()) states.emplace_back("no-imu");
@@ -88,6 +89,7 @@ Json degraded(const LiveStatus& status, const LivePipeline& pipeline) {
   if (std::ranges::any_of(pipeline.outputs(), [](const auto& o) { return !o->works(); })) {
     states.emplace_back("output-failed");
   }
+  if (!daemon.recorder().status().failure.empty()) states.emplace_back("recording-failed");
   return states;
 }
 
@@ -99,6 +101,16 @@ const std::string& name_of(Value value, const std::map<std::string, Value>& name
 }
 
 }  // namespace
+
+Json recording_as_json(const RecordingStatus& recording) {
+  return {{"is_recording", recording.is_recording},
+          {"folder", recording.folder.empty() ? Json(nullptr) : Json(recording.folder.string())},
+          {"frames", recording.frames},
+          {"frames_dropped", recording.frames_dropped},
+          {"samples", recording.samples},
+          {"samples_dropped", recording.samples_dropped},
+          {"failure", recording.failure.empty() ? Json(nullptr) : Json(recording.failure)}};
+}
 
 Json live_settings_as_json(const StabilizationSettings& settings) {
   return {{"amount", settings.amount},
@@ -123,7 +135,7 @@ Json status_as_json(const Supervisor& daemon) {
   imu["samples_off_clock"] = status.counts.samples_off_clock;
   return {
       {"version", GIMBALD_VERSION},
-      {"degraded", degraded(status, pipeline)},
+      {"degraded", degraded(status, daemon)},
       {"camera", camera},
       {"imu", imu},
       {"orientation",
@@ -134,6 +146,7 @@ Json status_as_json(const Supervisor& daemon) {
       {"renderer", pipeline.renderer()},
       {"settings", live_settings_as_json(daemon.settings())},
       {"outputs", outputs_as_json(pipeline)},
+      {"recording", recording_as_json(daemon.recorder().status())},
   };
 }
 

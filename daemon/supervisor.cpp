@@ -36,6 +36,7 @@ std::vector<std::string> changed_other_keys(const Configuration& before,
   if (before.replay != after.replay) keys.emplace_back("replay");
   if (before.outputs != after.outputs) keys.emplace_back("outputs");
   if (before.control != after.control) keys.emplace_back("control");
+  if (before.recording != after.recording) keys.emplace_back("recording");
   return keys;
 }
 
@@ -50,9 +51,10 @@ void take_over(const StabilizationSettings& from, StabilizationSettings& to) {
 
 }  // namespace
 
-Supervisor::Supervisor(LivePipeline& pipeline, Configuration configuration,
+Supervisor::Supervisor(LivePipeline& pipeline, Recorder& recorder, Configuration configuration,
                        std::vector<std::filesystem::path> files)
     : pipeline_(pipeline),
+      recorder_(recorder),
       files_(std::move(files)),
       at_start_(std::move(configuration)),
       settings_(at_start_.stabilization) {}

@@ -7,6 +7,7 @@
 
 #include "daemon/configuration.hpp"
 #include "daemon/live_pipeline.hpp"
+#include "daemon/recorder.hpp"
 
 namespace gimbal {
 
@@ -19,8 +20,8 @@ struct ReloadReport {
 /// What can be asked of a running daemon beside its pictures. Any thread may ask.
 class Supervisor {
  public:
-  /// `pipeline` lives longer; `files` are where the configuration came from.
-  Supervisor(LivePipeline& pipeline, Configuration configuration,
+  /// `pipeline` and `recorder` live longer; `files` are where the configuration came from.
+  Supervisor(LivePipeline& pipeline, Recorder& recorder, Configuration configuration,
              std::vector<std::filesystem::path> files);
 
   /// Reads the files again. If they are not sound nothing changes.
@@ -32,9 +33,12 @@ class Supervisor {
 
   [[nodiscard]] StabilizationSettings settings() const;
   [[nodiscard]] const LivePipeline& pipeline() const { return pipeline_; }
+  [[nodiscard]] Recorder& recorder() { return recorder_; }
+  [[nodiscard]] const Recorder& recorder() const { return recorder_; }
 
  private:
   LivePipeline& pipeline_;
+  Recorder& recorder_;
   const std::vector<std::filesystem::path> files_;
   mutable std::mutex mutex_;
   const Configuration at_start_;    ///< what all but the live settings follow

@@ -116,6 +116,15 @@ Result<void> set(const Arguments& arguments) {
   return {};
 }
 
+Result<void> record(const Arguments& arguments, const char* path) {
+  const auto text = ask(arguments, "POST", path);
+  if (!text) return tl::unexpected(text.error());
+  const auto recording = as_json(*text);
+  if (!recording) return tl::unexpected(recording.error());
+  fmt::print("{}", recording_line(*recording));
+  return {};
+}
+
 Result<void> reload(const Arguments& arguments) {
   const auto text = ask(arguments, "POST", "/reload");
   if (!text) return tl::unexpected(text.error());
@@ -157,6 +166,13 @@ void add_live_commands(CLI::App& app, CommandOutcome& outcome) {
       ->required();
   add_command(app, "reload", "Have the running daemon read its configuration again", arguments,
               outcome, reload);
+  CLI::App* const take = app.add_subcommand(
+      "record", "Record what the running daemon sees, as a session that can be stabilized later");
+  take->require_subcommand(1);
+  add_command(*take, "start", "Begin a session folder", arguments, outcome,
+              [](const Arguments& a) { return record(a, "/record/start"); });
+  add_command(*take, "stop", "End it properly", arguments, outcome,
+              [](const Arguments& a) { return record(a, "/record/stop"); });
   add_command(app, "metrics", "Show the running daemon's metrics, as Prometheus reads them",
               arguments, outcome, show_metrics);
 }

@@ -47,7 +47,8 @@ std::string state_for_people(const Json& status) {
       {"imu-too-slow",
        "the IMU delivers fewer than two samples while a picture is read out: raise its rate"},
       {"implausible-samples", "the samples are not plausible"},
-      {"output-failed", "an output has failed"}};
+      {"output-failed", "an output has failed"},
+      {"recording-failed", "the last recording ended by itself"}};
   std::vector<std::string> states;
   if (status.contains("degraded")) {
     for (const Json& state : status["degraded"]) {
@@ -87,6 +88,19 @@ std::string frames_for_people(const Json& status) {
   add("/frames/dropped/out_of_order", "dropped because they came out of order");
   add("/frames/no_signal", "pictures that say \"no signal\"");
   return text;
+}
+
+std::string recording_for_people(const Json& recording) {
+  const std::string folder = text_at(recording, "/folder");
+  if (folder.empty()) return "none";
+  std::string text = fmt::format(
+      "{}{}: {} frames, {} samples", at<bool>(recording, "/is_recording", false) ? "" : "ended, ",
+      folder, count_at(recording, "/frames"), count_at(recording, "/samples"));
+  if (const auto dropped = count_at(recording, "/frames_dropped")) {
+    text += fmt::format(", {} frames dropped", dropped);
+  }
+  const std::string failure = text_at(recording, "/failure");
+  return failure.empty() ? text : text + "; " + failure;
 }
 
 std::string output_for_people(const Json& output) {
@@ -136,7 +150,12 @@ std::string status_for_people(const Json& status) {
   text += line("drawn by", text_at(status, "/renderer"));
   text += settings_for_people(part("settings"));
   for (const Json& output : part("outputs")) text += line("output", output_for_people(output));
+  text += line("recording", recording_for_people(part("recording")));
   return text;
+}
+
+std::string recording_line(const Json& recording) {
+  return line("recording", recording_for_people(recording));
 }
 
 std::string reload_for_people(const Json& report) {

@@ -10,6 +10,7 @@ namespace gimbal {
 
 [[nodiscard]] std::string status_for_people(const nlohmann::ordered_json& status);
 [[nodiscard]] std::string settings_for_people(const nlohmann::ordered_json& settings);
+[[nodiscard]] std::string recording_line(const nlohmann::ordered_json& recording);
 [[nodiscard]] std::string reload_for_people(const nlohmann::ordered_json& report);
 
 }  // namespace gimbal

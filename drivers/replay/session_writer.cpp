@@ -5,12 +5,11 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <iterator>
 #include <string_view>
 #include <system_error>
 
-#include "drivers/replay/decimal_time.hpp"
 #include "drivers/replay/session.hpp"
+#include "drivers/replay/session_rows.hpp"
 #include "drivers/replay/session_toml.hpp"
 
 namespace gimbal {
@@ -27,40 +26,22 @@ Result<void> write_text(const std::filesystem::path& path, std::string_view text
   return {};
 }
 
-std::string seconds(SensorTime time) {
-  return format_seconds(time.time_since_epoch());
-}
-
-void append_row(fmt::memory_buffer& out, SensorTime time, const Eigen::Vector3d& v) {
-  fmt::format_to(std::back_inserter(out), "{},{},{},{}\n", seconds(time), v.x(), v.y(), v.z());
-}
-
-std::string format_gyro(const std::vector<GyroSample>& gyro) {
-  fmt::memory_buffer out;
-  for (const GyroSample& sample : gyro) append_row(out, sample.time, sample.gyro_rad_s);
-  return "t_s,x,y,z\n" + fmt::to_string(out);
-}
-
-std::string format_accel(const std::vector<AccelSample>& accel) {
-  fmt::memory_buffer out;
-  for (const AccelSample& sample : accel) append_row(out, sample.time, sample.accel_m_s2);
-  return "t_s,x,y,z\n" + fmt::to_string(out);
+template <typename Sample>
+std::string format_vectors(const std::vector<Sample>& samples) {
+  std::string text = kVectorHeader;
+  for (const Sample& sample : samples) text += session_row(sample);
+  return text;
 }
 
 std::string format_frames(const std::vector<FrameStamp>& frames) {
   const bool any_exposure = std::any_of(frames.begin(), frames.end(), [](const FrameStamp& stamp) {
     return stamp.exposure.has_value();
   });
-  fmt::memory_buffer out;
+  std::string text = any_exposure ? kFrameHeader : kFrameHeaderWithoutExposure;
   for (const FrameStamp& stamp : frames) {
-    fmt::format_to(std::back_inserter(out), "{},{}", stamp.index, seconds(stamp.time));
-    if (any_exposure) {
-      fmt::format_to(std::back_inserter(out), ",{}",
-                     stamp.exposure ? format_seconds(*stamp.exposure) : "");
-    }
-    out.push_back('\n');
+    text += any_exposure ? session_row(stamp) : session_row_without_exposure(stamp);
   }
-  return (any_exposure ? "index,t_s,exposure_s\n" : "index,t_s\n") + fmt::to_string(out);
+  return text;
 }
 
 /// The name in a session folder: the three that a session may have, Matroska for all else.
@@ -121,11 +102,11 @@ Result<void> write_session(const Session& session) {
       })
       .and_then([&]() -> Result<void> {
         if (session.gyro.empty()) return {};
-        return write_text(session.folder / "gyro.csv", format_gyro(session.gyro));
+        return write_text(session.folder / "gyro.csv", format_vectors(session.gyro));
       })
       .and_then([&]() -> Result<void> {
         if (session.accel.empty()) return {};
-        return write_text(session.folder / "accel.csv", format_accel(session.accel));
+        return write_text(session.folder / "accel.csv", format_vectors(session.accel));
       });
 }
 

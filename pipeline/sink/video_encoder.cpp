@@ -23,6 +23,24 @@ int bits_per_second(const SinkFormat& format) {
                           usual_fps(format));
 }
 
+int pictures_a_second(const SinkFormat& format) {
+  return std::max(1, static_cast<int>(std::lround(usual_fps(format))));
+}
+
+VideoEncoder openh264_encoder(const SinkFormat& format) {
+  return {"openh264enc",
+          fmt::format("openh264enc rate-control=bitrate bitrate={} complexity=high ! h264parse",
+                      bits_per_second(format))};
+}
+
+/// What a board has for it, which leaves the processor to the warp. The level must be named: the
+/// kernel's default is too low for the driver to start with 1080p.
+VideoEncoder board_encoder(const SinkFormat& format) {
+  return {"v4l2h264enc", fmt::format("v4l2h264enc extra-controls=\"controls,video_bitrate={}\" "
+                                     "! video/x-h264,level=(string)4 ! h264parse",
+                                     bits_per_second(format))};
+}
+
 Result<VideoEncoder> first_installed(const std::vector<VideoEncoder>& encoders) {
   if (auto started = init_gstreamer(); !started) {
     return tl::unexpected(started.error());
@@ -38,19 +56,12 @@ Result<VideoEncoder> first_installed(const std::vector<VideoEncoder>& encoders) 
 }  // namespace
 
 std::vector<VideoEncoder> video_encoders(const SinkFormat& format) {
-  const int bitrate = bits_per_second(format);
   return {
       // Without vbv-buf-capacity=0 the element caps the quality asked for at its default bit rate.
       {"x264enc",
        "x264enc pass=qual quantizer=20 speed-preset=veryfast bframes=0 vbv-buf-capacity=0"},
-      {"openh264enc",
-       fmt::format("openh264enc rate-control=bitrate bitrate={} complexity=high ! h264parse",
-                   bitrate)},
-      // The level must be named: the kernel's default is too low for the driver to start with
-      // 1080p.
-      {"v4l2h264enc", fmt::format("v4l2h264enc extra-controls=\"controls,video_bitrate={}\" "
-                                  "! video/x-h264,level=(string)4 ! h264parse",
-                                  bitrate)},
+      openh264_encoder(format),
+      board_encoder(format),
   };
 }
 
@@ -58,21 +69,29 @@ Result<VideoEncoder> choose_video_encoder(const SinkFormat& format) {
   return first_installed(video_encoders(format));
 }
 
-Result<VideoEncoder> choose_stream_encoder(const SinkFormat& format, int bitrate_kbps) {
-  const auto pictures_a_second = std::max(1, static_cast<int>(std::lround(usual_fps(format))));
+Result<VideoEncoder> choose_recording_encoder(const SinkFormat& format) {
   return first_installed({
-      // The board's own encoder first: it leaves the processor to the warp.
+      board_encoder(format),
+      {"x264enc", fmt::format("x264enc tune=zerolatency pass=qual quantizer=18 "
+                              "speed-preset=ultrafast bframes=0 vbv-buf-capacity=0 key-int-max={}",
+                              pictures_a_second(format))},
+      openh264_encoder(format),
+  });
+}
+
+Result<VideoEncoder> choose_stream_encoder(const SinkFormat& format, int bitrate_kbps) {
+  return first_installed({
       {"v4l2h264enc",
        fmt::format("v4l2h264enc "
                    "extra-controls=\"controls,video_bitrate={},h264_i_frame_period={},"
                    "repeat_sequence_header=1\" ! video/x-h264,level=(string)4",
-                   1000 * bitrate_kbps, pictures_a_second)},
+                   1000 * bitrate_kbps, pictures_a_second(format))},
       {"x264enc", fmt::format("x264enc tune=zerolatency speed-preset=superfast bitrate={} "
                               "key-int-max={} bframes=0",
-                              bitrate_kbps, pictures_a_second)},
+                              bitrate_kbps, pictures_a_second(format))},
       {"openh264enc",
        fmt::format("openh264enc rate-control=bitrate usage-type=camera bitrate={} gop-size={}",
-                   1000 * bitrate_kbps, pictures_a_second)},
+                   1000 * bitrate_kbps, pictures_a_second(format))},
   });
 }
 

@@ -25,4 +25,8 @@ struct VideoEncoder {
 [[nodiscard]] Result<VideoEncoder> choose_stream_encoder(const SinkFormat& format,
                                                          int bitrate_kbps);
 
+/// The best that is installed for a recording that is made beside other work: little effort, good
+/// quality, every frame written at once, and a picture that stands alone every second.
+[[nodiscard]] Result<VideoEncoder> choose_recording_encoder(const SinkFormat& format);
+
 }  // namespace gimbal

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <string>
+
+#include "daemon/live_pipeline.hpp"
+#include "daemon/recording.hpp"
+#include "daemon/recording_settings.hpp"
+#include "drivers/replay/session.hpp"
+
+namespace gimbal {
+
+/// In the folder that the service manager keeps for us ($STATE_DIRECTORY), else below
+/// /var/lib/gimbald for root, else below $XDG_DATA_HOME or ~/.local/share.
+[[nodiscard]] std::filesystem::path usual_recordings_folder();
+
+struct RecordingStatus {
+  bool is_recording = false;
+  std::filesystem::path folder;  ///< of the present or the last recording; empty if none
+  std::uint64_t frames = 0;
+  std::uint64_t frames_dropped = 0;
+  std::uint64_t samples = 0;
+  std::uint64_t samples_dropped = 0;
+  std::string failure;  ///< why the last recording ended by itself; empty if it did not
+};
+
+/// Records what camera and IMU deliver, before anything is done to it, while the steady stream goes
+/// on: session folders, one after the other. Any thread may ask.
+class Recorder final : public SourceObserver {
+ public:
+  /// `about`: what is known of the camera and the IMU.
+  Recorder(RecordingSettings settings, CameraFormat format, Session about);
+  ~Recorder() override;
+
+  void saw(const VideoFrame& frame) override;
+  void saw(const ImuReading& reading) override;
+
+  /// The new session's folder. bad_input if one is being recorded, or cannot be begun.
+  [[nodiscard]] Result<std::filesystem::path> start();
+
+  /// Returns when all is written. bad_input if nothing is being recorded.
+  [[nodiscard]] Result<RecordingStatus> stop();
+
+  [[nodiscard]] RecordingStatus status() const;
+
+ private:
+  [[nodiscard]] Result<std::filesystem::path> new_folder() const;
+  RecordingStatus end();
+  [[nodiscard]] std::shared_ptr<Recording> current() const;
+
+  const RecordingSettings settings_;
+  const CameraFormat format_;
+  const Session about_;
+  mutable std::mutex control_;  ///< held while one is begun or ended
+  mutable std::mutex mutex_;    ///< of what follows; never for long
+  std::shared_ptr<Recording> recording_;
+  RecordingStatus last_;
+};
+
+}  // namespace gimbal
