@@ -12,6 +12,7 @@
 #include "daemon/driver_keys.hpp"
 #include "daemon/output_keys.hpp"
 #include "daemon/stabilization_keys.hpp"
+#include "drivers/gpio/gpio_lines.hpp"
 #include "drivers/replay/calibration_keys.hpp"
 #include "drivers/replay/toml_reader.hpp"
 
@@ -103,6 +104,35 @@ void read_recording(TomlTable& table, RecordingSettings& settings) {
   }
 }
 
+/// "gpiochip0:17"
+void read_line(TomlTable& table, std::string_view key, std::string& line) {
+  const auto text = table.text(key);
+  if (!text) return;
+  if (const auto address = parse_gpio_address(*text); !address) {
+    table.refuse(key, address.error().message);
+  }
+  line = *text;
+}
+
+void read_polarity(TomlTable& table, std::string_view key, GpioPolarity& polarity) {
+  if (const auto is_low = table.boolean(key)) {
+    polarity = *is_low ? GpioPolarity::active_low : GpioPolarity::active_high;
+  }
+}
+
+void read_gpio(TomlTable& table, GpioSettings& settings) {
+  read_line(table, "record_button", settings.record_button);
+  read_polarity(table, "record_button_active_low", settings.record_button_polarity);
+  read_line(table, "status_led", settings.status_led);
+  read_polarity(table, "status_led_active_low", settings.status_led_polarity);
+#ifndef GIMBALD_HAS_GPIO
+  for (const char* const key : {"record_button", "status_led"}) {
+    if (table.has(key))
+      table.refuse(key, "cannot be used: this gimbald was built without libgpiod");
+  }
+#endif
+}
+
 template <typename Read>
 Result<void> read_table(TomlTable& root, std::string_view name, const Read& read) {
   auto table = root.table(name);
@@ -148,6 +178,7 @@ Result<void> read_file(const std::filesystem::path& file, Configuration& configu
       .and_then(read("control", [&](TomlTable& t) { read_control(t, configuration.control); }))
       .and_then(
           read("recording", [&](TomlTable& t) { read_recording(t, configuration.recording); }))
+      .and_then(read("gpio", [&](TomlTable& t) { read_gpio(t, configuration.gpio); }))
       .and_then([&] { return verdict(*root); });
 }
 

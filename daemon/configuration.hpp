@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "daemon/control_address.hpp"
+#include "daemon/gpio_settings.hpp"
 #include "daemon/output_target.hpp"
 #include "daemon/recording_settings.hpp"
 #include "daemon/stabilization.hpp"
@@ -58,6 +59,7 @@ struct Configuration {
   std::vector<OutputSettings> outputs;
   ControlSettings control;
   RecordingSettings recording;
+  GpioSettings gpio;
 };
 
 /// Where the daemon looks if it is not told: /etc/gimbald/gimbald.toml, then

@@ -21,7 +21,7 @@
 namespace gimbal {
 namespace {
 
-constexpr std::size_t kLargestBody = 64 * 1024;
+constexpr std::size_t kLargestBody = 65536;
 constexpr int kPatience_s = 5;
 constexpr std::size_t kThreads = 4;
 constexpr const char* kGroup = "gimbald";

@@ -16,6 +16,9 @@
 #include "daemon/service_notify.hpp"
 #include "daemon/supervisor.hpp"
 #include "drivers/clock/monotonic_now.hpp"
+#ifdef GIMBALD_HAS_GPIO
+#include "daemon/record_controls.hpp"
+#endif
 #ifdef GIMBALD_HAS_CONTROL
 #include "daemon/control_api.hpp"
 #include "daemon/control_server.hpp"
@@ -118,6 +121,10 @@ int run(const Configuration& configuration, const std::vector<std::filesystem::p
                                       configuration.outputs, &recorder);
   if (!pipeline) return report(pipeline.error());
   Supervisor daemon(**pipeline, recorder, configuration, files);
+#ifdef GIMBALD_HAS_GPIO
+  auto controls = RecordControls::start(configuration.gpio, recorder);
+  if (!controls) return report(controls.error());
+#endif
 #ifdef GIMBALD_HAS_CONTROL
   ControlApi api(daemon);
   auto control = ControlServer::start(
@@ -129,6 +136,9 @@ int run(const Configuration& configuration, const std::vector<std::filesystem::p
   notify_service("STOPPING=1");
 #ifdef GIMBALD_HAS_CONTROL
   control->reset();
+#endif
+#ifdef GIMBALD_HAS_GPIO
+  controls->reset();
 #endif
   if (recorder.status().is_recording) static_cast<void>(recorder.stop());
   (*pipeline)->stop();

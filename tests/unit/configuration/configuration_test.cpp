@@ -123,6 +123,23 @@ INSTANTIATE_TEST_SUITE_P(
         BadOutput{"NoPipeline", "preset = \"pipeline\"\ntext = \"fakesink\"\n", "has no \" ! \""}),
     [](const auto& bad) -> std::string { return bad.param.name; });
 
+TEST_F(ConfigurationTest, RecordingAndItsButton) {
+  const auto read = load(std::string("outputs = [\"-\"]\n") + kDevices +
+                         "[recording]\nfolder = \"/takes\"\nmin_free_mb = 5\n"
+                         "[gpio]\nrecord_button = \"gpiochip0:17\"\n"
+                         "record_button_active_low = false\nstatus_led = \"gpiochip1:2\"\n");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->recording.folder, "/takes");
+  EXPECT_EQ(read->recording.min_free_mb, 5U);
+  EXPECT_EQ(read->gpio.record_button, "gpiochip0:17");
+  EXPECT_EQ(read->gpio.record_button_polarity, GpioPolarity::active_high);
+  EXPECT_EQ(read->gpio.status_led, "gpiochip1:2");
+  const auto wrong =
+      load(std::string("outputs = [\"-\"]\n") + kDevices + "[gpio]\nstatus_led = \"17\"\n");
+  ASSERT_FALSE(wrong);
+  EXPECT_NE(wrong.error().message.find("is not of the form gpiochip0:17"), std::string::npos);
+}
+
 TEST_F(ConfigurationTest, AnOutputThatIsNoTableIsRefused) {
   const auto read = load(std::string("output = \"rtsp\"\n") + kDevices);
   ASSERT_FALSE(read);
