@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Compiles gimbald for the guest and installs it, with the test programs and a recording, into a folder
-# that looks like the guest's root. Compiles only what has changed since the last time.
+# Compiles gimbald for the guest and leaves in a folder its Debian package and, as they lie in the guest's
+# root, the test programs and a recording. Compiles only what has changed since the last time.
 # Usage: build_program.sh FOLDER TOOLCHAIN CCACHE
 set -euo pipefail
 repository=$(readlink -f "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/../../..")
@@ -24,15 +24,16 @@ compile() {
     mount -t proc proc "$1/proc"
     exec chroot "$1" /bin/bash -euc "
       export CCACHE_DIR=/ccache
-      cmake -S /source -B /build -G Ninja -DCMAKE_BUILD_TYPE=Release \
+      cmake -S /source -B /build -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX=/usr \
         -DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DGIMBALD_SHARED_DIR=
       cmake --build /build --target gimbald gimbalctl hardware_programs
-      rm -rf /program
+      rm -rf /program /build/*.deb
+      cd /build && cpack -G DEB
       export DESTDIR=/program
-      cmake --install /build --prefix /usr --strip
-      cmake --install /build --prefix /usr --strip --component hardware_tests
-      /program/usr/bin/gimbalctl simulate --quiet -o /program/usr/libexec/gimbald-tests/session \
-        --size 320x180 --fps 25 --duration 8
+      cmake --install /build --strip --component hardware_tests
+      mv /build/*.deb /program/
+      /build/daemon/gimbalctl/gimbalctl simulate --quiet \
+        -o /program/usr/libexec/gimbald-tests/session --size 320x180 --fps 25 --duration 8
     "' sh "$toolchain" "$ccache"
 }
 

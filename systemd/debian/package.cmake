@@ -1,0 +1,30 @@
+# `cpack -G DEB` in a build folder, which ./dev deb runs.
+set(CPACK_PACKAGE_CONTACT "The gimbald authors <gimbald@localhost>")
+set(CPACK_DEBIAN_PACKAGE_RELEASE 1)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION video)
+set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+# Beside the libraries: GStreamer's plugins are found while running, and the postinst makes the user.
+set(CPACK_DEBIAN_PACKAGE_DEPENDS
+    "gstreamer1.0-plugins-base, gstreamer1.0-plugins-good, systemd | systemd-standalone-sysusers")
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS
+    "gstreamer1.0-plugins-ugly, gstreamer1.0-plugins-bad, gstreamer1.0-libav, libegl-mesa0, libgl1-mesa-dri, udev")
+set(CPACK_DEBIAN_PACKAGE_SUGGESTS "libcamera-ipa, bash-completion")
+set(CPACK_PACKAGE_DESCRIPTION
+"gimbald takes frames and gyroscope samples, works out where the camera
+pointed while every single row was exposed, and draws each frame again as if
+all its rows had been exposed at once by a steady camera.
+.
+Cameras come through V4L2 or libcamera, motion sensors through the kernel's
+IIO or on I2C; pictures go to RTSP, files, v4l2loopback or any GStreamer
+pipeline. gimbalctl does the same with recordings.")
+set(CPACK_STRIP_FILES ON)
+set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
+    OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+set(CPACK_PRE_BUILD_SCRIPTS ${CMAKE_CURRENT_LIST_DIR}/documents.cmake)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA
+    ${CMAKE_CURRENT_LIST_DIR}/conffiles ${CMAKE_CURRENT_LIST_DIR}/postinst
+    ${CMAKE_CURRENT_LIST_DIR}/prerm ${CMAKE_CURRENT_LIST_DIR}/postrm)
+include(CPack)
