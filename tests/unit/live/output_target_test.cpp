@@ -128,7 +128,7 @@ TEST(SegmentOutput, SoundComesWithThePicturesThatWereTakenWithIt) {
   SegmentOutput output;
   output.folder = folder.path() / "video";
   output.audio = "audiotestsrc is-live=true" + sound;
-  const auto filmed = film(output, 80);
+  const auto filmed = film(output, 110);
   ASSERT_TRUE(filmed) << filmed.error().message;
   const auto file = files_in(output.folder).at(0);
   const auto seen = flashes(file);
