@@ -49,7 +49,10 @@ Result<std::unique_ptr<RecordControls>> RecordControls::start(const GpioSettings
 
 RecordControls::RecordControls(std::unique_ptr<Button> button, std::unique_ptr<GpioOutput> light,
                                Recorder& recorder)
-    : button_(std::move(button)), light_(std::move(light)), recorder_(recorder) {
+    : button_(std::move(button)),
+      light_(std::move(light)),
+      recorder_(recorder),
+      is_watched_(button_ != nullptr) {
   thread_ = std::thread([this] { run(); });
 }
 
@@ -69,14 +72,14 @@ void RecordControls::run() {
 }
 
 bool RecordControls::wait_for_press() {
-  if (!button_) {
+  if (!is_watched_) {
     std::this_thread::sleep_for(kLook);
     return false;
   }
   const auto press = button_->wait_for_press(monotonic_now() + kLook);
   if (press) return press->has_value() && !stops_;
   log_line(LogLevel::error, "record button: " + press.error().message + "; it is not watched");
-  button_.reset();
+  is_watched_ = false;
   return false;
 }
 

@@ -29,7 +29,7 @@ class RecordControls {
 
  private:
   void run();
-  /// False when there is nothing more to wait for.
+  /// Whether one came within a moment.
   bool wait_for_press();
   void toggle();
   void show(const RecordingStatus& recording);
@@ -37,6 +37,7 @@ class RecordControls {
   std::unique_ptr<Button> button_;
   std::unique_ptr<GpioOutput> light_;
   Recorder& recorder_;
+  bool is_watched_;  ///< the button, until its line fails
   std::optional<GpioLevel> shown_;
   unsigned looks_ = 0;
   std::atomic<bool> stops_ = false;

@@ -49,7 +49,7 @@ std::string gpio_obstacle(const std::string& path, int error) {
     case EBUSY:
       return "another program or a kernel driver holds the line; `gpioinfo` says which";
     case EINVAL:
-      return "there is no such line, or it cannot watch edges";
+      return "there is no such line, or it cannot be used so";
     default:
       return std::strerror(error);
   }

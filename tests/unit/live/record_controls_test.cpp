@@ -25,12 +25,18 @@ class FakeLine final : public EdgeSource {
   Result<std::optional<Edge>> read_until(SensorTime deadline) override {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, deadline - monotonic_now(), [this] { return !edges_.empty(); });
+    if (is_broken_) return failed("the line is gone");
     if (edges_.empty()) return std::nullopt;
     const Edge edge = edges_.front();
     edges_.pop_front();
     return edge;
   }
   void stop() override {}
+
+  void break_off() {
+    const std::lock_guard lock(mutex_);
+    is_broken_ = true;
+  }
 
   void pull(EdgeDirection direction) {
     const std::lock_guard lock(mutex_);
@@ -42,6 +48,7 @@ class FakeLine final : public EdgeSource {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Edge> edges_;
+  bool is_broken_ = false;
   std::uint64_t sequence_ = 0;
 };
 
@@ -113,6 +120,13 @@ TEST_F(RecordControlsTest, APressBeginsARecordingAndTheNextEndsIt) {
   ASSERT_TRUE(comes_true([&] { return !recorder_->status().is_recording; }));
   EXPECT_TRUE(comes_true([&] { return !is_on_; }));
   EXPECT_TRUE(std::filesystem::exists(recorder_->status().folder / "session.toml"));
+}
+
+TEST_F(RecordControlsTest, WithoutItsButtonTheLightGoesOn) {
+  line_->break_off();
+  std::this_thread::sleep_for(milliseconds(300));
+  ASSERT_TRUE(recorder_->start());
+  EXPECT_TRUE(comes_true([&] { return is_on_.load(); }));
 }
 
 TEST_F(RecordControlsTest, TheLightBlinksAfterARecordingThatFailed) {
