@@ -11,7 +11,6 @@
 #include <utility>
 
 #include "drivers/clock/monotonic_now.hpp"
-#include "drivers/clock/stamp_gate.hpp"
 #include "drivers/stop_event.hpp"
 
 namespace gimbal {
@@ -20,28 +19,27 @@ namespace {
 class GpioEdgeSource final : public EdgeSource {
  public:
   GpioEdgeSource(GpioInputSettings settings, GpioInputOpener opener)
-      : settings_(std::move(settings)), opener_(std::move(opener)), gate_(make_gate()) {}
+      : settings_(std::move(settings)), opener_(std::move(opener)) {}
 
   [[nodiscard]] Result<void> start() override;
   [[nodiscard]] Result<std::optional<Edge>> read_until(SensorTime deadline) override;
   void stop() override { stop_.set(); }
-  [[nodiscard]] std::uint64_t lost() const override { return lost_ + gate_.refused(); }
+  [[nodiscard]] std::uint64_t lost() const override { return lost_; }
 
  private:
-  [[nodiscard]] StampGate make_gate() const {
-    return {"gpio " + to_string(settings_.address), ForeignClock::refuse};
-  }
   [[nodiscard]] bool wait_until(SensorTime deadline) const;
   [[nodiscard]] Result<void> take_edges();
+  [[nodiscard]] Result<void> check_clock(SensorTime stamp, SensorTime arrival) const;
   void count_lost(const KernelEdge& edge);
 
   GpioInputSettings settings_;
   GpioInputOpener opener_;
   StopEvent stop_;
   std::unique_ptr<GpioInput> input_;
-  StampGate gate_;
+  SensorTime requested_;   ///< no edge is older
+  SensorTime last_stamp_;  ///< that was handed on
   std::deque<Edge> edges_;
-  std::optional<std::uint32_t> last_sequence_;
+  std::uint32_t last_sequence_ = 0;  ///< the kernel's; it counts from 1 at each request
   std::uint64_t sequence_ = 0;
   std::uint64_t lost_ = 0;
 };
@@ -49,12 +47,12 @@ class GpioEdgeSource final : public EdgeSource {
 Result<void> GpioEdgeSource::start() {
   stop_.clear();
   input_.reset();
+  requested_ = last_stamp_ = monotonic_now();
   auto input = opener_(settings_);
   if (!input) return tl::unexpected(input.error());
   input_ = *std::move(input);
-  gate_ = make_gate();
   edges_.clear();
-  last_sequence_.reset();
+  last_sequence_ = 0;
   sequence_ = lost_ = 0;
   return {};
 }
@@ -89,19 +87,31 @@ Result<void> GpioEdgeSource::take_edges() {
   if (!edges) return tl::unexpected(edges.error());
   const SensorTime arrival = monotonic_now();
   for (const KernelEdge& edge : *edges) {
+    if (auto checked = check_clock(edge.stamp, arrival); !checked) return checked;
     count_lost(edge);
-    const auto time = gate_.pass(edge.stamp, arrival);
-    if (!time) return tl::unexpected(time.error());
-    if (!*time) continue;
-    edges_.push_back({**time, settings_.address.line, edge.direction, sequence_});
+    if (edge.stamp <= last_stamp_) {
+      ++lost_;
+      continue;
+    }
+    last_stamp_ = edge.stamp;
+    edges_.push_back({edge.stamp, settings_.address.line, edge.direction, sequence_});
   }
   return {};
 }
 
+/// However late it is read, an edge came after the line was requested and before it was read; by
+/// CLOCK_REALTIME it would have come decades later.
+Result<void> GpioEdgeSource::check_clock(SensorTime stamp, SensorTime arrival) const {
+  if (requested_ <= stamp && stamp <= arrival) return {};
+  return failed(
+      fmt::format("gpio {}: its stamps are {:.3f} s off CLOCK_MONOTONIC; edges want Linux "
+                  "5.7 or later",
+                  to_string(settings_.address), to_seconds(stamp - arrival)));
+}
+
 void GpioEdgeSource::count_lost(const KernelEdge& edge) {
-  std::uint32_t step = 1;
-  if (edge.sequence && last_sequence_) step = *edge.sequence - *last_sequence_;  // wraps around
-  last_sequence_ = edge.sequence;
+  const std::uint32_t step = edge.sequence ? *edge.sequence - last_sequence_ : 1;  // wraps around
+  last_sequence_ += step;
   sequence_ += step;
   lost_ += step - 1;
 }

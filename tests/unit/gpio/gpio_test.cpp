@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstdint>
 #include <deque>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -19,6 +21,7 @@ namespace gimbal {
 namespace {
 
 using std::chrono::milliseconds;
+using std::chrono::nanoseconds;
 using std::chrono::seconds;
 
 /// A line whose edges a test puts in; a pipe says that they wait.
@@ -91,7 +94,7 @@ TEST_F(GpioEdgesTest, HandsOnTheKernelsStamps) {
   ASSERT_TRUE(edges_->start());
   const SensorTime time = monotonic_now();
   line_->put({time, EdgeDirection::rising, 1});
-  line_->put({time + milliseconds(1), EdgeDirection::falling, 2});
+  line_->put({time + nanoseconds(1), EdgeDirection::falling, 2});
   const auto first = edges_->read_until(soon());
   const auto second = edges_->read_until(soon());
   ASSERT_TRUE(first && *first && second && *second);
@@ -104,13 +107,41 @@ TEST_F(GpioEdgesTest, HandsOnTheKernelsStamps) {
 TEST_F(GpioEdgesTest, CountsWhatTheSequenceLacks) {
   ASSERT_TRUE(edges_->start());
   const SensorTime time = monotonic_now();
-  line_->put({time, EdgeDirection::rising, 0xffff'fffe});
-  line_->put({time + milliseconds(1), EdgeDirection::rising, 2});  // over the end of 32 bits
+  line_->put({time, EdgeDirection::rising, 3});  // the kernel dropped the oldest two
+  line_->put({time + nanoseconds(1), EdgeDirection::rising, 4});
+  line_->put({time + nanoseconds(2), EdgeDirection::rising, 7});
+  std::vector<std::uint64_t> sequences;
+  for (int i = 0; i < 3; ++i) {
+    const auto edge = edges_->read_until(soon());
+    ASSERT_TRUE(edge && *edge);
+    sequences.push_back((*edge)->sequence);
+  }
+  EXPECT_EQ(sequences, (std::vector<std::uint64_t>{3, 4, 7}));
+  EXPECT_EQ(edges_->lost(), 4U);
+}
+
+TEST_F(GpioEdgesTest, CountsOnWhereTheKernelsSequenceWrapsAround) {
+  ASSERT_TRUE(edges_->start());
+  const SensorTime time = monotonic_now();
+  line_->put({time, EdgeDirection::rising, 0xffff'ffff});
+  line_->put({time + nanoseconds(1), EdgeDirection::rising, 0});
   ASSERT_TRUE(edges_->read_until(soon()));
   const auto edge = edges_->read_until(soon());
   ASSERT_TRUE(edge && *edge);
-  EXPECT_EQ(edges_->lost(), 3U);
-  EXPECT_EQ((*edge)->sequence, 5U);
+  EXPECT_EQ((*edge)->sequence, 0x1'0000'0000U);
+  EXPECT_EQ(edges_->lost(), 0xffff'fffeU);
+}
+
+TEST_F(GpioEdgesTest, AKernelWithoutASequenceShowsNoLoss) {
+  ASSERT_TRUE(edges_->start());
+  const SensorTime time = monotonic_now();
+  line_->put({time, EdgeDirection::rising, {}});
+  line_->put({time + nanoseconds(1), EdgeDirection::falling, {}});
+  ASSERT_TRUE(edges_->read_until(soon()));
+  const auto edge = edges_->read_until(soon());
+  ASSERT_TRUE(edge && *edge);
+  EXPECT_EQ((*edge)->sequence, 2U);
+  EXPECT_EQ(edges_->lost(), 0U);
 }
 
 TEST_F(GpioEdgesTest, RefusesStampsOfAnotherClock) {
@@ -119,6 +150,36 @@ TEST_F(GpioEdgesTest, RefusesStampsOfAnotherClock) {
   const auto edge = edges_->read_until(soon());
   ASSERT_FALSE(edge);
   EXPECT_NE(edge.error().message.find("off CLOCK_MONOTONIC"), std::string::npos);
+}
+
+TEST_F(GpioEdgesTest, RefusesAStampFromBeforeTheRequest) {
+  const SensorTime before = monotonic_now();
+  ASSERT_TRUE(edges_->start());
+  line_->put({before - milliseconds(1), EdgeDirection::rising, 1});
+  EXPECT_FALSE(edges_->read_until(soon()));
+}
+
+TEST_F(GpioEdgesTest, ALateReaderGetsWhatHasWaited) {
+  ASSERT_TRUE(edges_->start());
+  const SensorTime time = monotonic_now();
+  line_->put({time, EdgeDirection::rising, 1});
+  std::this_thread::sleep_for(milliseconds(1100));
+  const auto edge = edges_->read_until(soon());
+  ASSERT_TRUE(edge) << edge.error().message;
+  ASSERT_TRUE(*edge);
+  EXPECT_EQ((*edge)->time, time);
+}
+
+TEST_F(GpioEdgesTest, CountsAStampThatDoesNotRiseAsLost) {
+  ASSERT_TRUE(edges_->start());
+  const SensorTime time = monotonic_now();
+  line_->put({time, EdgeDirection::rising, 1});
+  line_->put({time, EdgeDirection::falling, 2});
+  const auto first = edges_->read_until(soon());
+  const auto none = edges_->read_until(soon());
+  ASSERT_TRUE(first && *first && none);
+  EXPECT_FALSE(*none);
+  EXPECT_EQ(edges_->lost(), 1U);
 }
 
 TEST_F(GpioEdgesTest, ADeadlineEndsTheWait) {
@@ -130,6 +191,8 @@ TEST_F(GpioEdgesTest, ADeadlineEndsTheWait) {
 
 TEST_F(GpioEdgesTest, StopEndsTheWaitAndStartBeginsAnew) {
   ASSERT_TRUE(edges_->start());
+  line_->put({monotonic_now(), EdgeDirection::rising, 5});
+  ASSERT_TRUE(edges_->read_until(soon()));
   std::thread stopper([this] {
     std::this_thread::sleep_for(milliseconds(20));
     edges_->stop();
@@ -139,7 +202,7 @@ TEST_F(GpioEdgesTest, StopEndsTheWaitAndStartBeginsAnew) {
   ASSERT_TRUE(edge);
   EXPECT_FALSE(*edge);
   ASSERT_TRUE(edges_->start());
-  line_->put({monotonic_now(), EdgeDirection::rising, 77});
+  line_->put({monotonic_now(), EdgeDirection::rising, 1});  // it counts anew, too
   const auto after = edges_->read_until(soon());
   ASSERT_TRUE(after && *after);
   EXPECT_EQ((*after)->sequence, 1U);
@@ -207,7 +270,8 @@ TEST(Debouncer, TwoPressesAreTwo) {
 TEST_F(GpioEdgesTest, AButtonWaitsForItsPress) {
   Button button(std::move(edges_), milliseconds(10));
   ASSERT_TRUE(button.start());
-  const SensorTime time = monotonic_now() - milliseconds(100);
+  const SensorTime time = monotonic_now();
+  std::this_thread::sleep_for(milliseconds(60));
   line_->put({time, EdgeDirection::rising, 1});
   line_->put({time + milliseconds(2), EdgeDirection::falling, 2});
   line_->put({time + milliseconds(3), EdgeDirection::rising, 3});
