@@ -40,16 +40,32 @@ std::string gpio_chip_path(const std::string& chip) {
   return chip.starts_with('/') ? chip : "/dev/" + chip;
 }
 
-std::string gpio_obstacle(const std::string& path, int error) {
+std::string gpio_chip_obstacle(const std::string& path, int error) {
   switch (error) {
     case EACCES:
     case EPERM:
       return fmt::format("no permission on {}; join the group {} or run as root", path,
                          group_of(path));
+    case EISDIR:
+    case ENODEV:
+    case ENOENT:
+    case ENOTTY:
+      return fmt::format("{} is no GPIO chip; `gimbalctl devices` lists those that are there",
+                         path);
+    default:
+      return std::strerror(error);
+  }
+}
+
+std::string gpio_line_obstacle(int error) {
+  switch (error) {
     case EBUSY:
       return "another program or a kernel driver holds the line; `gpioinfo` says which";
     case EINVAL:
       return "there is no such line, or it cannot be used so";
+    case ENODEV:
+    case ENXIO:  // of a request for edges where the chip has no interrupts
+      return "the chip is gone, or it cannot watch edges";
     default:
       return std::strerror(error);
   }

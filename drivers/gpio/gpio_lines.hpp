@@ -52,6 +52,7 @@ struct KernelEdge {
 /// A line that is watched for edges; the one place that libgpiod's versions differ in.
 class GpioInput {
  public:
+  /// bad_input where the line cannot be had.
   [[nodiscard]] static Result<std::unique_ptr<GpioInput>> open(const GpioInputSettings& settings);
 
   GpioInput() = default;
@@ -69,7 +70,7 @@ class GpioInput {
 /// A line that is driven, such as a status LED or the flasher of a calibration.
 class GpioOutput {
  public:
-  /// The line begins inactive, and is given back when this goes.
+  /// The line begins inactive, and is given back when this goes. bad_input where it cannot be had.
   [[nodiscard]] static Result<std::unique_ptr<GpioOutput>> open(const GpioOutputSettings& settings);
 
   GpioOutput() = default;
@@ -77,6 +78,7 @@ class GpioOutput {
   GpioOutput& operator=(const GpioOutput&) = delete;
   virtual ~GpioOutput() = default;
 
+  /// Fails when the chip is gone.
   [[nodiscard]] virtual Result<void> set(GpioLevel level) = 0;
 };
 
@@ -90,8 +92,11 @@ struct GpioChipInfo {
 
 [[nodiscard]] Result<GpioChipInfo> read_gpio_chip(const std::string& path);
 
-/// What stands in the way of a chip or a line, by errno: who may open it, who holds it.
-[[nodiscard]] std::string gpio_obstacle(const std::string& path, int error);
+/// What stands in the way of opening a chip, by errno.
+[[nodiscard]] std::string gpio_chip_obstacle(const std::string& path, int error);
+
+/// What stands in the way of a line of a chip that is open, by errno.
+[[nodiscard]] std::string gpio_line_obstacle(int error);
 
 /// "/dev/gpiochip0"
 [[nodiscard]] std::string gpio_chip_path(const std::string& chip);

@@ -24,16 +24,16 @@ struct Line {
   gpiod_line* line = nullptr;
 };
 
+tl::unexpected<Error> not_to_be_had(const GpioAddress& address, const std::string& obstacle) {
+  return bad_input(fmt::format("gpio {}: {}", to_string(address), obstacle));
+}
+
 Result<Line> find_line(const GpioAddress& address) {
   const std::string path = gpio_chip_path(address.chip);
   Chip chip(gpiod_chip_open(path.c_str()));
-  if (!chip) {
-    return bad_input(fmt::format("gpio {}: {}", to_string(address), gpio_obstacle(path, errno)));
-  }
+  if (!chip) return not_to_be_had(address, gpio_chip_obstacle(path, errno));
   gpiod_line* line = gpiod_chip_get_line(chip.get(), address.line);
-  if (line == nullptr) {
-    return bad_input(fmt::format("gpio {}: {}", to_string(address), gpio_obstacle(path, errno)));
-  }
+  if (line == nullptr) return not_to_be_had(address, gpio_line_obstacle(errno));
   return Line{std::move(chip), line};
 }
 
@@ -86,7 +86,7 @@ class InputV1 final : public GpioInput {
     const int count = gpiod_line_event_read_multiple(line_.line, events.data(), events.size());
     if (count < 0) {
       return failed(fmt::format("gpio {}: cannot read edges: {}", to_string(address_),
-                                gpio_obstacle(gpio_chip_path(address_.chip), errno)));
+                                gpio_line_obstacle(errno)));
     }
     std::vector<KernelEdge> edges;
     edges.reserve(static_cast<std::size_t>(count));
@@ -106,8 +106,8 @@ class OutputV1 final : public GpioOutput {
 
   [[nodiscard]] Result<void> set(GpioLevel level) override {
     if (gpiod_line_set_value(line_.line, level == GpioLevel::active ? 1 : 0) == 0) return {};
-    return failed(fmt::format("gpio {}: cannot be set: {}", to_string(address_),
-                              gpio_obstacle(gpio_chip_path(address_.chip), errno)));
+    return failed(
+        fmt::format("gpio {}: cannot be set: {}", to_string(address_), gpio_line_obstacle(errno)));
   }
 
  private:
@@ -121,8 +121,7 @@ Result<std::unique_ptr<GpioInput>> GpioInput::open(const GpioInputSettings& sett
   auto line = find_line(settings.address);
   if (!line) return tl::unexpected(line.error());
   if (request_edges(line->line, settings) != 0) {
-    return failed(fmt::format("gpio {}: {}", to_string(settings.address),
-                              gpio_obstacle(gpio_chip_path(settings.address.chip), errno)));
+    return not_to_be_had(settings.address, gpio_line_obstacle(errno));
   }
   return std::make_unique<InputV1>(settings.address, *std::move(line));
 }
@@ -132,15 +131,14 @@ Result<std::unique_ptr<GpioOutput>> GpioOutput::open(const GpioOutputSettings& s
   if (!line) return tl::unexpected(line.error());
   const int flags = polarity_flags(settings.polarity);
   if (gpiod_line_request_output_flags(line->line, kConsumer, flags, 0) != 0) {
-    return failed(fmt::format("gpio {}: {}", to_string(settings.address),
-                              gpio_obstacle(gpio_chip_path(settings.address.chip), errno)));
+    return not_to_be_had(settings.address, gpio_line_obstacle(errno));
   }
   return std::make_unique<OutputV1>(settings.address, *std::move(line));
 }
 
 Result<GpioChipInfo> read_gpio_chip(const std::string& path) {
   const Chip chip(gpiod_chip_open(path.c_str()));
-  if (!chip) return bad_input(gpio_obstacle(path, errno));
+  if (!chip) return bad_input(gpio_chip_obstacle(path, errno));
   GpioChipInfo info{.name = gpiod_chip_name(chip.get()),
                     .label = gpiod_chip_label(chip.get()),
                     .lines = gpiod_chip_num_lines(chip.get()),

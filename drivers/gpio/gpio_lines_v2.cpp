@@ -30,24 +30,24 @@ using RequestConfig = std::unique_ptr<gpiod_request_config, Deleter<gpiod_reques
 using Request = std::unique_ptr<gpiod_line_request, Deleter<gpiod_line_request_release>>;
 using EdgeBuffer = std::unique_ptr<gpiod_edge_event_buffer, Deleter<gpiod_edge_event_buffer_free>>;
 
-/// Errno and the line, in words.
-tl::unexpected<Error> line_error(const GpioAddress& address) {
-  return failed(fmt::format("gpio {}: {}", to_string(address),
-                            gpio_obstacle(gpio_chip_path(address.chip), errno)));
+tl::unexpected<Error> not_to_be_had(const GpioAddress& address, const std::string& obstacle) {
+  return bad_input(fmt::format("gpio {}: {}", to_string(address), obstacle));
 }
 
 Result<Request> request_line(const GpioAddress& address, gpiod_line_settings& settings) {
-  const Chip chip(gpiod_chip_open(gpio_chip_path(address.chip).c_str()));
+  const std::string path = gpio_chip_path(address.chip);
+  const Chip chip(gpiod_chip_open(path.c_str()));
+  if (!chip) return not_to_be_had(address, gpio_chip_obstacle(path, errno));
   const LineConfig lines(gpiod_line_config_new());
   const RequestConfig how(gpiod_request_config_new());
-  if (!chip || !lines || !how) return line_error(address);
+  if (!lines || !how) return not_to_be_had(address, gpio_line_obstacle(errno));
   gpiod_request_config_set_consumer(how.get(), kConsumer);
   gpiod_request_config_set_event_buffer_size(how.get(), kEdgesHeld);
   if (gpiod_line_config_add_line_settings(lines.get(), &address.line, 1, &settings) != 0) {
-    return line_error(address);
+    return not_to_be_had(address, gpio_line_obstacle(errno));
   }
   Request request(gpiod_chip_request_lines(chip.get(), how.get(), lines.get()));
-  if (!request) return line_error(address);
+  if (!request) return not_to_be_had(address, gpio_line_obstacle(errno));
   return request;
 }
 
@@ -95,7 +95,10 @@ class InputV2 final : public GpioInput {
   [[nodiscard]] Result<std::vector<KernelEdge>> read() override {
     const int count =
         gpiod_line_request_read_edge_events(request_.get(), buffer_.get(), kEdgesHeld);
-    if (count < 0) return line_error(address_);
+    if (count < 0) {
+      return failed(fmt::format("gpio {}: cannot read edges: {}", to_string(address_),
+                                gpio_line_obstacle(errno)));
+    }
     std::vector<KernelEdge> edges;
     edges.reserve(static_cast<std::size_t>(count));
     for (int i = 0; i < count; ++i) {
@@ -120,7 +123,8 @@ class OutputV2 final : public GpioOutput {
     const auto value =
         level == GpioLevel::active ? GPIOD_LINE_VALUE_ACTIVE : GPIOD_LINE_VALUE_INACTIVE;
     if (gpiod_line_request_set_value(request_.get(), address_.line, value) == 0) return {};
-    return line_error(address_);
+    return failed(
+        fmt::format("gpio {}: cannot be set: {}", to_string(address_), gpio_line_obstacle(errno)));
   }
 
  private:
@@ -132,7 +136,7 @@ class OutputV2 final : public GpioOutput {
 
 Result<std::unique_ptr<GpioInput>> GpioInput::open(const GpioInputSettings& settings) {
   const LineSettings line(gpiod_line_settings_new());
-  if (!line) return line_error(settings.address);
+  if (!line) return not_to_be_had(settings.address, gpio_line_obstacle(errno));
   gpiod_line_settings_set_direction(line.get(), GPIOD_LINE_DIRECTION_INPUT);
   gpiod_line_settings_set_edge_detection(line.get(), edges_of(settings));
   gpiod_line_settings_set_bias(line.get(), bias_of(settings));
@@ -145,7 +149,7 @@ Result<std::unique_ptr<GpioInput>> GpioInput::open(const GpioInputSettings& sett
 
 Result<std::unique_ptr<GpioOutput>> GpioOutput::open(const GpioOutputSettings& settings) {
   const LineSettings line(gpiod_line_settings_new());
-  if (!line) return line_error(settings.address);
+  if (!line) return not_to_be_had(settings.address, gpio_line_obstacle(errno));
   gpiod_line_settings_set_direction(line.get(), GPIOD_LINE_DIRECTION_OUTPUT);
   gpiod_line_settings_set_output_value(line.get(), GPIOD_LINE_VALUE_INACTIVE);
   gpiod_line_settings_set_active_low(line.get(), settings.polarity == GpioPolarity::active_low);
@@ -156,9 +160,9 @@ Result<std::unique_ptr<GpioOutput>> GpioOutput::open(const GpioOutputSettings& s
 
 Result<GpioChipInfo> read_gpio_chip(const std::string& path) {
   const Chip chip(gpiod_chip_open(path.c_str()));
-  if (!chip) return bad_input(gpio_obstacle(path, errno));
+  if (!chip) return bad_input(gpio_chip_obstacle(path, errno));
   const ChipInfo chip_info(gpiod_chip_get_info(chip.get()));
-  if (!chip_info) return bad_input(gpio_obstacle(path, errno));
+  if (!chip_info) return bad_input(gpio_chip_obstacle(path, errno));
   GpioChipInfo info{.name = gpiod_chip_info_get_name(chip_info.get()),
                     .label = gpiod_chip_info_get_label(chip_info.get()),
                     .lines = static_cast<unsigned>(gpiod_chip_info_get_num_lines(chip_info.get())),

@@ -225,11 +225,28 @@ TEST(GpioAddress, ReadsChipAndLine) {
   }
 }
 
-TEST(Gpio, ALineThatIsNotThereIsNamed) {
-  const auto edges = open_gpio_edges({.address = {"gpiochip987", 3}});
-  const auto started = edges->start();
+/// As a person who mistyped a chip reads it.
+void expect_names_the_chip(const Error& error, const std::string& line, const std::string& path) {
+  EXPECT_EQ(error.kind, Error::Kind::bad_input);
+  EXPECT_EQ(error.message, "gpio " + line + ": " + path +
+                               " is no GPIO chip; `gimbalctl devices` lists those that are there");
+}
+
+TEST(Gpio, AChipThatIsNotThereIsNamed) {
+  const auto started = open_gpio_edges({.address = {"gpiochip987", 3}})->start();
   ASSERT_FALSE(started);
-  EXPECT_NE(started.error().message.find("gpiochip987:3"), std::string::npos);
+  expect_names_the_chip(started.error(), "gpiochip987:3", "/dev/gpiochip987");
+  const auto output = GpioOutput::open({.address = {"gpiochip987", 3}});
+  ASSERT_FALSE(output);
+  expect_names_the_chip(output.error(), "gpiochip987:3", "/dev/gpiochip987");
+}
+
+TEST(Gpio, WhatIsNoChipIsNamed) {
+  for (const std::string path : {"/dev/null", "/etc/passwd", "/dev"}) {
+    const auto output = GpioOutput::open({.address = {path, 0}});
+    ASSERT_FALSE(output) << path;
+    expect_names_the_chip(output.error(), path + ":0", path);
+  }
 }
 
 // --- the button ----------------------------------------------------------------------------------
