@@ -94,7 +94,7 @@ Result<std::filesystem::path> Recorder::start() {
     }
     static_cast<void>(end());
   }
-  const auto folder = new_folder();
+  auto folder = new_folder();
   if (!folder) return folder;
   Session about = about_;
   about.folder = *folder;
