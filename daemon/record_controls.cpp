@@ -77,13 +77,19 @@ bool RecordControls::wait_for_press() {
     return false;
   }
   const auto press = button_->wait_for_press(monotonic_now() + kLook);
-  if (press) return press->has_value() && !stops_;
+  if (press) return *press && **press > settled_ && !stops_;
   log_line(LogLevel::error, "record button: " + press.error().message + "; it is not watched");
   is_watched_ = false;
   return false;
 }
 
+/// Presses while it took its time were impatience, not wishes.
 void RecordControls::toggle() {
+  begin_or_end();
+  settled_ = monotonic_now();
+}
+
+void RecordControls::begin_or_end() {
   if (recorder_.status().is_recording) {
     const auto ended = recorder_.stop();
     if (!ended) log_line(LogLevel::error, "record button: " + ended.error().message);

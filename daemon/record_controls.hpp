@@ -32,12 +32,14 @@ class RecordControls {
   /// Whether one came within a moment.
   bool wait_for_press();
   void toggle();
+  void begin_or_end();
   void show(const RecordingStatus& recording);
 
   std::unique_ptr<Button> button_;
   std::unique_ptr<GpioOutput> light_;
   Recorder& recorder_;
   bool is_watched_;  ///< the button, until its line fails
+  SensorTime settled_;  ///< when the last press had been obeyed
   std::optional<GpioLevel> shown_;
   unsigned looks_ = 0;
   std::atomic<bool> stops_ = false;
