@@ -226,6 +226,8 @@ bool AttitudeEkf::set_tilt(const Eigen::Vector3d& accel_m_s2) {
   const Eigen::Quaterniond turn = turn_upright(mean.q_world_imu * accel_m_s2);
   mean.q_world_imu = (turn * mean.q_world_imu).normalized();
   mean.velocity_m_s.setZero();
+  state_.velocity_mean_m_s.setZero();
+  state_.seen_velocity_density_m2_s = parameters_.start_velocity_density_m2_s;
   ErrorCovariance& P = state_.filter.covariance();
   const double tilt = square(parameters_.start_tilt_sigma_rad);
   const double heading = P(Index::attitude + 2, Index::attitude + 2);
@@ -292,12 +294,25 @@ void AttitudeEkf::close_step() {
 }
 
 void AttitudeEkf::bound_velocity(const ErrorStateFilter::Pending& step) {
-  const double density = parameters_.velocity_density_m2_s +
-                         parameters_.velocity_density_by_accel_s3 * state_.accel_mean_square_m2_s4;
+  learn_velocity_density(step.accel_interval_s);
+  const double density =
+      std::max(parameters_.velocity_density_m2_s +
+                   parameters_.velocity_density_by_accel_s3 * state_.accel_mean_square_m2_s4,
+               state_.seen_velocity_density_m2_s);
   for (int i = 0; i < 3; ++i) {
     measure(Index::velocity + i, -state_.filter.mean().velocity_m_s(i),
             density / step.accel_interval_s);
   }
+}
+
+void AttitudeEkf::learn_velocity_density(double interval_s) {
+  const double mean_s = parameters_.velocity_mean_s;
+  Eigen::Vector3d& mean = state_.velocity_mean_m_s;
+  mean += share(interval_s, mean_s) * (state_.filter.mean().velocity_m_s - mean);
+  // Of a white noise, such a mean has its density over twice the time constant as variance.
+  const double seen = 2 * mean_s * mean.squaredNorm() / 3;
+  state_.seen_velocity_density_m2_s +=
+      share(interval_s, parameters_.velocity_memory_s) * (seen - state_.seen_velocity_density_m2_s);
 }
 
 void AttitudeEkf::bound_acceleration(const ErrorStateFilter::Pending& step) {

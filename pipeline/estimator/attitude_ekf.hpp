@@ -21,7 +21,8 @@ struct GyroBias {
   Eigen::Vector3d sigma_rad_s = Eigen::Vector3d::Constant(2.7 * std::numbers::pi / 180);
 };
 
-/// One set for all devices. Densities are one-sided, an axis.
+/// One set for all devices. Noise densities are an axis' and two-sided: a density of n² in the mean
+/// over T has the variance n²/T, and its integral grows by n² a second.
 struct AttitudeEkfParameters {
   // What sensors do, by their data sheets.
   GyroBias gyro_bias;
@@ -45,6 +46,11 @@ struct AttitudeEkfParameters {
   // density is twice its variance times its correlation time; faster shakes move faster.
   double velocity_density_m2_s = 0.4;
   double velocity_density_by_accel_s3 = 0.03;  ///< times the recent mean square acceleration
+  /// What flies moves further: residuals of the velocity that stay on one side for long show its
+  /// density. So much is taken for granted until it is seen.
+  double velocity_mean_s = 1;
+  double velocity_memory_s = 5;
+  double start_velocity_density_m2_s = 5;
   /// Acceleration beside gravity is bounded too, which brings a tilt that is badly known (at the
   /// start, after gaps and lost axes) near in no time. Later its correlation in time would mislead.
   double accel_density_m2_s3 = 0.06;
@@ -107,7 +113,9 @@ struct AttitudeEkfState {
   double usual_interval_s = 0;
   Eigen::Vector3d step_rate_rad_s = Eigen::Vector3d::Zero();  ///< at the end of the last step
   double rate_walk_rad2_s3 = 0;  ///< how fast the rate changes: mean of |change|²/interval of steps
-  double accel_mean_square_m2_s4 = 0;  ///< beside gravity
+  double accel_mean_square_m2_s4 = 0;                           ///< beside gravity
+  Eigen::Vector3d velocity_mean_m_s = Eigen::Vector3d::Zero();  ///< recent, before its bound
+  double seen_velocity_density_m2_s = 0;
   Eigen::Vector3d rate_mean_rad_s = Eigen::Vector3d::Zero();
   double rate_variance_rad2_s2 = 0;
   LostAxes lost_gyro_axes{kLostGyroAxes};
@@ -172,6 +180,7 @@ class AttitudeEkf final : public Estimator {
   void restart_tilt(const ImuSample& sample);
   void close_step();
   void bound_velocity(const ErrorStateFilter::Pending& step);
+  void learn_velocity_density(double interval_s);
   void bound_acceleration(const ErrorStateFilter::Pending& step);
   void watch_bias(const ErrorStateFilter::Pending& step);
   void measure(int index, double residual, double noise_variance);

@@ -81,23 +81,23 @@ void ErrorTransition::propagate(ErrorCovariance& P) const {
   make_symmetric(P, Index::velocity);
 }
 
-ErrorState ErrorTransition::transpose_times(const ErrorState& x) const {
-  ErrorState y = x;
+MovingColumns ErrorTransition::back_from_attitude_and_velocity() const {
+  MovingColumns back = MovingColumns::Zero();
+  auto from_attitude = back.leftCols<3>();
+  auto from_velocity = back.rightCols<3>();
   if (!is_continuous) {
-    y.segment<3>(Index::attitude).setZero();
-    y.segment<3>(Index::velocity).setZero();
-    return y;
+    from_attitude.middleRows<3>(Index::attitude) = -Eigen::Matrix3d::Identity();
+    from_velocity.middleRows<3>(Index::velocity) = -Eigen::Matrix3d::Identity();
+    return back;
   }
-  const Eigen::Vector3d attitude = x.segment<3>(Index::attitude);
-  const Eigen::Vector3d velocity = x.segment<3>(Index::velocity);
-  y.segment<3>(Index::attitude).noalias() += velocity_by_attitude.transpose() * velocity;
-  y.segment<3>(Index::gyro_bias).noalias() += attitude_by_gyro_bias.transpose() * attitude;
-  y.segment<3>(Index::gyro_bias).noalias() += velocity_by_gyro_bias.transpose() * velocity;
-  y.segment<3>(Index::gyro_scale).noalias() += velocity_by_gyro_scale.transpose() * velocity;
-  y.segment<3>(Index::accel_bias).noalias() += velocity_by_accel_bias.transpose() * velocity;
-  y.segment<3>(Index::gyro_scale).noalias() += attitude_by_gyro_scale.transpose() * attitude;
-  y(Index::accel_scale) += velocity_by_accel_scale.dot(velocity);
-  return y;
+  from_attitude.middleRows<3>(Index::gyro_bias) = attitude_by_gyro_bias.transpose();
+  from_attitude.middleRows<3>(Index::gyro_scale) = attitude_by_gyro_scale.transpose();
+  from_velocity.middleRows<3>(Index::attitude) = velocity_by_attitude.transpose();
+  from_velocity.middleRows<3>(Index::gyro_bias) = velocity_by_gyro_bias.transpose();
+  from_velocity.middleRows<3>(Index::gyro_scale) = velocity_by_gyro_scale.transpose();
+  from_velocity.middleRows<3>(Index::accel_bias) = velocity_by_accel_bias.transpose();
+  from_velocity.row(Index::accel_scale) = velocity_by_accel_scale.transpose();
+  return back;
 }
 
 }  // namespace gimbal

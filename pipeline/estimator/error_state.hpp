@@ -28,6 +28,8 @@ struct ErrorIndex {
 using ErrorState = Eigen::Matrix<double, ErrorIndex::size, 1>;
 using ErrorCovariance = Eigen::Matrix<double, ErrorIndex::size, ErrorIndex::size>;
 using AttitudeRows = Eigen::Matrix<double, 3, ErrorIndex::size>;
+/// A column for each component of attitude, then of velocity: what moves from step to step.
+using MovingColumns = Eigen::Matrix<double, ErrorIndex::size, 6>;
 
 /// exp: the unit quaternion that turns by the rotation vector (rad).
 [[nodiscard]] Eigen::Quaterniond rotation_from_vector(const Eigen::Vector3d& rotation_rad);
@@ -65,8 +67,9 @@ struct ErrorTransition {
   /// P <- F P Fᵀ. P symmetric.
   void propagate(ErrorCovariance& P) const;
 
-  /// Fᵀ x, by which information about a later error becomes information about an earlier one.
-  [[nodiscard]] ErrorState transpose_times(const ErrorState& x) const;
+  /// Fᵀ - I, by which information about a later error becomes information about an earlier one, but
+  /// for the columns that are zero.
+  [[nodiscard]] MovingColumns back_from_attitude_and_velocity() const;
 };
 
 /// A measurement of one component of the error state, after it was used.

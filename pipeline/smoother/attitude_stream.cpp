@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "pipeline/estimator/plausibility.hpp"
+#include "pipeline/estimator/spike_gate.hpp"
 
 namespace gimbal {
 namespace {
@@ -39,13 +40,8 @@ class CausalStream final : public AttitudeStream {
  public:
   explicit CausalStream(const AttitudeEkfParameters& parameters) : filter_(parameters) {}
 
-  void push(const ImuSample& sample) override {
-    const std::size_t skipped = filter_.counts().skipped_gyro;
-    filter_.update(sample);
-    if (filter_.counts().skipped_gyro == skipped) ready_.push_back(filter_.predict(sample.time));
-  }
-
-  void finish() override {}
+  void push(const ImuSample& sample) override { take(gate_.push(sample)); }
+  void finish() override { take(gate_.finish()); }
 
   std::optional<AttitudeEstimate> pop() override { return take_first(ready_); }
 
@@ -54,6 +50,16 @@ class CausalStream final : public AttitudeStream {
   }
 
  private:
+  void take(const SpikeGate::Passed& passed) {
+    for (std::size_t i = 0; i < passed.count; ++i) {
+      const ImuSample& sample = passed.samples[i];
+      const std::size_t skipped = filter_.counts().skipped_gyro;
+      filter_.update(sample);
+      if (filter_.counts().skipped_gyro == skipped) ready_.push_back(filter_.predict(sample.time));
+    }
+  }
+
+  SpikeGate gate_;
   AttitudeEkf filter_;
   std::deque<AttitudeEstimate> ready_;
 };
@@ -62,8 +68,11 @@ class SmoothedStream final : public AttitudeStream {
  public:
   explicit SmoothedStream(const FixedLagSmootherParameters& parameters) : smoother_(parameters) {}
 
-  void push(const ImuSample& sample) override { smoother_.push(sample); }
-  void finish() override { smoother_.finish(); }
+  void push(const ImuSample& sample) override { take(gate_.push(sample)); }
+  void finish() override {
+    take(gate_.finish());
+    smoother_.finish();
+  }
 
   std::optional<AttitudeEstimate> pop() override { return smoother_.pop(); }
 
@@ -72,6 +81,11 @@ class SmoothedStream final : public AttitudeStream {
   }
 
  private:
+  void take(const SpikeGate::Passed& passed) {
+    for (std::size_t i = 0; i < passed.count; ++i) smoother_.push(passed.samples[i]);
+  }
+
+  SpikeGate gate_;
   FixedLagSmoother smoother_;
 };
 

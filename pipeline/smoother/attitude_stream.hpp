@@ -37,7 +37,8 @@ class AttitudeStream {
 [[nodiscard]] std::unique_ptr<AttitudeStream> make_causal_stream(
     std::unique_ptr<Estimator> estimator);
 
-/// The attitude EKF, its answers at once.
+/// The attitude EKF, its answers at once; behind a gate for spikes, as below: a sample that may be
+/// one waits for the next.
 [[nodiscard]] std::unique_ptr<AttitudeStream> make_causal_stream(
     const AttitudeEkfParameters& parameters);
 

@@ -8,13 +8,35 @@ namespace {
 
 using Index = ErrorIndex;
 
-/// What later measurements say about a step: the adjoint of Bierman's recursion, so that the
-/// smoothed error is -P λ. Here from a step's updates back to before them.
-void undo_updates(const FilterStep& step, ErrorState& adjoint) {
+/// What a look back needs of a step: its updates, used one after the other, as one.
+BackwardStep backward(const FilterStep& step) {
+  BackwardStep back;
+  back.update_count = step.update_count;
+  back.transition = step.transition.back_from_attitude_and_velocity();
   for (std::size_t i = step.update_count; i-- > 0;) {
     const ScalarUpdate& update = step.updates[i];
-    adjoint(update.index) -= update.gain.dot(adjoint) + update.residual / update.variance;
+    BackwardStep::Update& joint = back.updates[i];
+    joint = {update.index, update.residual / update.variance, update.gain};
+    for (std::size_t later = i + 1; later < step.update_count; ++later) {
+      const double seen = update.gain(back.updates[later].index);
+      joint.residual -= seen * back.updates[later].residual;
+      joint.gain -= seen * back.updates[later].gain;
+    }
   }
+  return back;
+}
+
+/// What later measurements say about a step: the adjoint of Bierman's recursion, so that the
+/// smoothed error is -P λ. Here from after a step's updates to the step before.
+void go_back_over(const BackwardStep& step, ErrorState& adjoint) {
+  std::array<double, FilterStep::kMaxUpdates> less{};
+  for (std::size_t i = 0; i < step.update_count; ++i) {
+    less[i] = step.updates[i].gain.dot(adjoint) + step.updates[i].residual;
+  }
+  for (std::size_t i = 0; i < step.update_count; ++i) adjoint(step.updates[i].index) -= less[i];
+  Eigen::Matrix<double, 6, 1> moving;
+  moving << adjoint.segment<3>(Index::attitude), adjoint.segment<3>(Index::velocity);
+  adjoint += step.transition.lazyProduct(moving);
 }
 
 /// The same for the covariance of the adjoint, Λ: the smoothed covariance is P - P Λ P.
@@ -31,15 +53,21 @@ void undo_updates(const FilterStep& step, ErrorCovariance& information) {
   }
 }
 
-ErrorCovariance back_through(const ErrorTransition& transition,
-                             const ErrorCovariance& information) {
-  ErrorCovariance half;
+/// X F, with F of the step.
+ErrorCovariance times_transition(const ErrorCovariance& X, const BackwardStep& step) {
+  MovingColumns moving;
+  moving << X.middleCols<3>(Index::attitude), X.middleCols<3>(Index::velocity);
+  ErrorCovariance product = X;
   for (int i = 0; i < Index::size; ++i) {
-    half.row(i) = transition.transpose_times(information.col(i)).transpose();
+    product.col(i).noalias() += moving.lazyProduct(step.transition.row(i).transpose());
   }
-  ErrorCovariance whole;
-  for (int i = 0; i < Index::size; ++i) whole.col(i) = transition.transpose_times(half.col(i));
-  return whole;
+  return product;
+}
+
+/// Fᵀ Λ F.
+ErrorCovariance back_through(const BackwardStep& step, const ErrorCovariance& information) {
+  const ErrorCovariance half = times_transition(information, step).transpose();
+  return times_transition(half, step);
 }
 
 Eigen::Vector3d smoothed_correction(const FilterStep& step, const ErrorState& adjoint) {
@@ -89,7 +117,7 @@ void FixedLagSmoother::push(const ImuSample& sample) {
 void FixedLagSmoother::take_step() {
   const FilterStep& step = filter_.state().step;
   if (!steps_.empty()) turn_world(step);
-  steps_.push_back({step, samples_since_step_});
+  steps_.push_back({step, backward(step), samples_since_step_});
   steps_taken_ = filter_.state().step_count;
   samples_since_step_ = 0;
 }
@@ -126,6 +154,7 @@ void FixedLagSmoother::turn_world(const FilterStep& step) {
       auto gain = held.step.updates[i].gain.segment<3>(Index::attitude);
       gain = (R * gain).eval();
     }
+    held.back = backward(held.step);
   }
 }
 
@@ -141,13 +170,13 @@ void FixedLagSmoother::release_ready() {
   if (!block_is_full) return;
   if (covariance_is_due(steps_[last])) {
     const Eigen::Matrix3d known = steps_.front().covariance;
-    look_back_with_covariance();
+    look_back_with_covariance(last);
     if (covariance_time_) learn_offset_covariance(known);
     covariance_time_ = steps_[last].step.time;
     filter_trace_rad2_ = filter_trace(steps_[last].step);
     released_covariance_rad2_ = shown_covariance(steps_[last]);
   } else {
-    look_back();
+    look_back(last);
   }
   release_until(last);
 }
@@ -174,10 +203,11 @@ Eigen::Matrix3d FixedLagSmoother::shown_covariance(const HeldStep& step) const {
 void FixedLagSmoother::finish() {
   if (steps_.empty()) return;
   const Eigen::Matrix3d known = steps_.front().covariance;
-  look_back_with_covariance();
+  const std::size_t last = steps_.size() - 1;
+  look_back_with_covariance(last);
   if (covariance_time_) learn_offset_covariance(known);
   covariance_time_.reset();
-  release_until(steps_.size() - 1);
+  release_until(last);
   // After the last step the filter has measured nothing.
   while (!samples_.empty()) {
     release_sample(steps_.front().correction + offset_rad_, shown_covariance(steps_.front()));
@@ -191,24 +221,23 @@ std::optional<AttitudeEstimate> FixedLagSmoother::pop() {
   return estimate;
 }
 
-void FixedLagSmoother::look_back() {
+void FixedLagSmoother::look_back(std::size_t last) {
   ErrorState adjoint = ErrorState::Zero();
   for (std::size_t i = steps_.size(); i-- > 0;) {
     HeldStep& held = steps_[i];
-    held.correction = smoothed_correction(held.step, adjoint);
-    undo_updates(held.step, adjoint);
-    adjoint = held.step.transition.transpose_times(adjoint);
+    if (i <= last) held.correction = smoothed_correction(held.step, adjoint);
+    go_back_over(held.back, adjoint);
   }
 }
 
-void FixedLagSmoother::look_back_with_covariance() {
-  look_back();
+void FixedLagSmoother::look_back_with_covariance(std::size_t last) {
+  look_back(last);
   ErrorCovariance information = ErrorCovariance::Zero();
   for (std::size_t i = steps_.size(); i-- > 0;) {
     HeldStep& held = steps_[i];
     held.covariance = smoothed_covariance(held.step, information);
     undo_updates(held.step, information);
-    information = back_through(held.step.transition, information);
+    information = back_through(held.back, information);
   }
 }
 

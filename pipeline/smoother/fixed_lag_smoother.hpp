@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <chrono>
 #include <cstddef>
 #include <deque>
@@ -25,6 +26,19 @@ struct FixedLagSmootherParameters {
   /// How often the covariance of a fixed lag is worked out anew, at least twice within the lag;
   /// meanwhile it is held, unless the filter's own grows.
   SensorDuration covariance_period = std::chrono::milliseconds(500);
+};
+
+/// A filter step as a look back goes over it, again and again while it is held: the updates joined,
+/// so that none waits for the other.
+struct BackwardStep {
+  struct Update {
+    int index = 0;
+    double residual = 0;  ///< over its variance
+    ErrorState gain = ErrorState::Zero();
+  };
+  std::array<Update, FilterStep::kMaxUpdates> updates;  ///< the first `update_count`
+  std::size_t update_count = 0;
+  MovingColumns transition = MovingColumns::Zero();
 };
 
 /// Orientations with the future taken into account: the attitude EKF forward, then back over its
@@ -63,6 +77,7 @@ class FixedLagSmoother {
   /// A filter step with what the look back says about it.
   struct HeldStep {
     FilterStep step;
+    BackwardStep back;
     std::size_t sample_count = 0;  ///< samples since the step before, its own included
     Eigen::Vector3d correction = Eigen::Vector3d::Zero();  ///< rad, world axes
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
@@ -75,8 +90,10 @@ class FixedLagSmoother {
   void release_until(std::size_t last);
   void release_step(const HeldStep& before, const HeldStep& step);
   void release_sample(const Eigen::Vector3d& correction, const Eigen::Matrix3d& covariance);
-  void look_back();
-  void look_back_with_covariance();
+  /// From the newest step to the oldest; `last` is the latest one whose correction is wanted.
+  void look_back(std::size_t last);
+  /// The covariance of all steps: the next look's is compared with it.
+  void look_back_with_covariance(std::size_t last);
   [[nodiscard]] bool covariance_is_due(const HeldStep& step) const;
   /// Adds what the looks back since the last covariance have changed about the first step, as
   /// `known` has it, and lets what the seams have taken in go.

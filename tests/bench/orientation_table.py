@@ -43,8 +43,9 @@ def print_times(medians_s):
     ekf, thesis = (medians_s.get(name) for name in ("attitude_ekf_sample", "thesis_ekf_sample"))
     if ekf and thesis:
         print(f"a sample: attitude EKF {ekf * 1e9:.0f} ns, thesis EKF {thesis * 1e9:.0f} ns")
-    if "smoother_frame" in medians_s:
-        print(f"a video frame: smoother with 1 s of lag {medians_s['smoother_frame'] * 1e6:.1f} µs")
+    for name, time_s in medians_s.items():
+        if name.startswith("smoother_"):
+            print(f"{name}: with 1 s of lag {time_s * 1e6:.1f} µs")
 
 
 def main():

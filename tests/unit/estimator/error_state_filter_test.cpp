@@ -54,10 +54,10 @@ ErrorState difference(const InertialState& a, const InertialState& b) {
 }
 
 ErrorCovariance dense(const ErrorTransition& F) {
-  ErrorCovariance M;
-  for (int i = 0; i < Index::size; ++i) {
-    M.row(i) = F.transpose_times(ErrorState::Unit(i)).transpose();
-  }
+  const MovingColumns back = F.back_from_attitude_and_velocity();
+  ErrorCovariance M = ErrorCovariance::Identity();
+  M.middleRows<3>(Index::attitude) += back.leftCols<3>().transpose();
+  M.middleRows<3>(Index::velocity) += back.rightCols<3>().transpose();
   return M;
 }
 

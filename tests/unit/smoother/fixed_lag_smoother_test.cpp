@@ -94,9 +94,10 @@ struct DenseStep {
 
 DenseStep dense_step(const AttitudeEkfState& state, std::size_t sample) {
   DenseStep dense;
-  for (int i = 0; i < Index::size; ++i) {
-    dense.F.row(i) = state.step.transition.transpose_times(ErrorState::Unit(i)).transpose();
-  }
+  const MovingColumns back = state.step.transition.back_from_attitude_and_velocity();
+  dense.F.setIdentity();
+  dense.F.middleRows<3>(Index::attitude) += back.leftCols<3>().transpose();
+  dense.F.middleRows<3>(Index::velocity) += back.rightCols<3>().transpose();
   dense.P_updated = state.filter.covariance();
   dense.P_predicted = dense.P_updated;
   dense.correction.setZero();

@@ -121,6 +121,25 @@ TEST_F(LiveStabilizer, GlidesToTheRealCameraWhileTheImuIsSilentAndBack) {
   EXPECT_LT(largest_step_rad(at_loss), usual_step_rad + 0.3 * kDegree);
 }
 
+TEST_F(LiveStabilizer, SaysHowSureItIsOfAFrame) {
+  run(0, 3);
+  // The filter itself, on the same samples, at the middle line's instant.
+  AttitudeEkf ekf;
+  const SensorTime middle = time_from_seconds(2 + 0.010);
+  Eigen::Matrix3d before = Eigen::Matrix3d::Zero();
+  for (int i = 0; time_from_seconds(i / kImuRate) <= middle; ++i) {
+    const double t_s = i / kImuRate;
+    ekf.update({time_from_seconds(t_s), hand_rate_rad_s(t_s), Vector3d(0, -9.81, 0)});
+    before = ekf.predict(time_from_seconds(t_s)).covariance_rad2;
+  }
+  const FrameStamp stamp{60, time_from_seconds(2), std::nullopt};
+  const Eigen::Matrix3d known = stabilizer_.covariance_of(stamp);
+  EXPECT_LT((known - before).norm(), 0.1 * before.norm());
+  run_without_imu(3, 4);
+  const FrameStamp silent{119, time_from_seconds(3.96), std::nullopt};
+  EXPECT_GT(stabilizer_.covariance_of(silent).trace(), 1);  // rad²: nobody knows
+}
+
 TEST_F(LiveStabilizer, FramesPassWhereTheImuNeverSpeaks) {
   run_without_imu(0, 1);
   EXPECT_EQ(cameras_.size(), static_cast<std::size_t>(next_index_) - kLatency);
