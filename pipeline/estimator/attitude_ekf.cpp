@@ -227,7 +227,7 @@ bool AttitudeEkf::set_tilt(const Eigen::Vector3d& accel_m_s2) {
   mean.q_world_imu = (turn * mean.q_world_imu).normalized();
   mean.velocity_m_s.setZero();
   state_.velocity_mean_m_s.setZero();
-  state_.seen_velocity_density_m2_s = 0;
+  state_.seen_velocity_density_m2_s = parameters_.start_velocity_density_m2_s;
   ErrorCovariance& P = state_.filter.covariance();
   const double tilt = square(parameters_.start_tilt_sigma_rad);
   const double heading = P(Index::attitude + 2, Index::attitude + 2);

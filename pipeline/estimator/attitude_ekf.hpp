@@ -47,9 +47,10 @@ struct AttitudeEkfParameters {
   double velocity_density_m2_s = 0.4;
   double velocity_density_by_accel_s3 = 0.03;  ///< times the recent mean square acceleration
   /// What flies moves further: residuals of the velocity that stay on one side for long show its
-  /// density.
+  /// density. So much is taken for granted until it is seen: 1 m/s for a second, as one walks.
   double velocity_mean_s = 1;
   double velocity_memory_s = 5;
+  double start_velocity_density_m2_s = 2;
   /// Acceleration beside gravity is bounded too, which brings a tilt that is badly known (at the
   /// start, after gaps and lost axes) near in no time. Later its correlation in time would mislead.
   double accel_density_m2_s3 = 0.06;
