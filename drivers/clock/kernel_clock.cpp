@@ -10,8 +10,9 @@ namespace {
 
 /// Exposure, readout and a queue of pictures while the camera starts.
 constexpr SensorDuration kOldest = std::chrono::seconds(1);
-/// Stamps have a grain of a microsecond; clocks are read one after the other.
-constexpr SensorDuration kNewest = std::chrono::milliseconds(-1);
+/// Some drivers stamp when the picture is planned to end, up to a frame ahead of its delivery: the
+/// kernel's vivid does (vivid-kthread-cap.c, cap_frame_eof_offset).
+constexpr SensorDuration kNewest = std::chrono::milliseconds(-50);
 
 /// In the order of how likely they are.
 constexpr std::array kClocks = {KernelClock::monotonic,     KernelClock::boottime,

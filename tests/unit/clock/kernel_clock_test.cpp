@@ -34,6 +34,10 @@ TEST(FindClock, TakesTheOneByWhichThePictureIsFresh) {
             KernelClock::realtime);
 }
 
+TEST(FindClock, APictureMayBeStampedWithItsPlannedEnd) {
+  EXPECT_EQ(find_clock(hours(10) + milliseconds(34), after_a_suspend()), KernelClock::monotonic);
+}
+
 TEST(FindClock, OfEqualClocksTheMonotonicOneIsMeant) {
   const auto never_suspended =
       clocks({{KernelClock::boottime, hours(10)}, {KernelClock::monotonic, hours(10)}});
@@ -43,7 +47,7 @@ TEST(FindClock, OfEqualClocksTheMonotonicOneIsMeant) {
 TEST(FindClock, AStampFromNowhereHasNone) {
   EXPECT_FALSE(find_clock(hours(11), after_a_suspend()));
   EXPECT_FALSE(find_clock(SensorDuration::zero(), after_a_suspend()));
-  EXPECT_FALSE(find_clock(hours(10) + milliseconds(20), after_a_suspend()));  // of the future
+  EXPECT_FALSE(find_clock(hours(10) + milliseconds(80), after_a_suspend()));  // of the future
   EXPECT_FALSE(find_clock(hours(10) - seconds(3), after_a_suspend()));
 }
 
