@@ -217,11 +217,7 @@ void LivePipeline::take(const VideoFrame& frame) {
 }
 
 void LivePipeline::take(const StabilizationSettings& settings) {
-  settings_.amount = settings.amount;
-  settings_.path = settings.path;
-  settings_.latency = settings.latency;
-  settings_.zoom = settings.zoom;
-  settings_.border = settings.border;
+  take_over_live(settings, settings_);
   stabilizer_.replace_path(new_path(), stabilizer_options(settings_));
   hand_on_all();
 }
@@ -297,8 +293,9 @@ void LivePipeline::draw(std::promise<Result<void>>& can_draw) {
       fail(drawn.error());
       return;
     }
-    drawing_time_.add(monotonic_now() - begin);
-    note_age(drawn->stamp.time);
+    const SensorTime end = monotonic_now();
+    drawing_time_.add(end - begin);
+    note_age(end - drawn->stamp.time);
     ++frames_out_;
     show(std::move(*drawn));
   }
@@ -346,8 +343,7 @@ void LivePipeline::show(VideoFrame frame) {
 
 // --- how it goes --------------------------------------------------------------------------------
 
-void LivePipeline::note_age(SensorTime stamp) {
-  const SensorDuration age = monotonic_now() - stamp;
+void LivePipeline::note_age(SensorDuration age) {
   drawn_age_.add(age);
   const std::lock_guard lock(mutex_);
   ages_.push_back(age);

@@ -173,7 +173,7 @@ class LivePipeline {
   void draw_no_signal();
   void show(VideoFrame frame);
 
-  void note_age(SensorTime stamp);
+  void note_age(SensorDuration age);
   void fail(const Error& error);
 
   RevivedSource<CameraSource, VideoFrame> camera_;

@@ -1,34 +1,23 @@
 #include "daemon/output_target.hpp"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 
-#include <chrono>
-#include <ctime>
 #include <system_error>
 #include <utility>
 
+#include "daemon/name_now.hpp"
 #include "pipeline/sink/pipeline_text.hpp"
 #include "pipeline/sink/video_encoder.hpp"
-#ifdef GIMBALD_HAS_RTSP
-#include "pipeline/sink/rtsp_sink.hpp"
-#endif
 
 namespace gimbal {
 namespace {
 
 using OpenedSink = Result<std::unique_ptr<FrameSink>>;
 
-/// H.264 has even sizes only: the last column or row is left out.
-SinkFormat even(SinkFormat format) {
-  format.size = {format.size.width / 2 * 2, format.size.height / 2 * 2};
-  return format;
-}
-
 /// A pipeline that encodes first.
 template <typename TextOf>
 OpenedSink open_encoded(const SinkFormat& given, int bitrate_kbps, const TextOf& text_of) {
-  const SinkFormat format = even(given);
+  const SinkFormat format = with_even_size(given);
   return choose_stream_encoder(format, bitrate_kbps).and_then([&](const VideoEncoder& encoder) {
     return open_sink(text_of(encoder), format, std::nullopt);
   });
@@ -49,11 +38,6 @@ OutputTarget target(const RawStdoutOutput&) {
           }};
 }
 
-/// Sorted by name is sorted by time.
-std::string name_now() {
-  return fmt::format("{:%Y-%m-%dT%H-%M-%S}", fmt::localtime(std::time(nullptr)));
-}
-
 std::string audio_text(const std::string& source, const char* encoder, const char* to) {
   if (source.empty()) return "";
   // Sound is here at once, pictures after the lag: the muxer waits for both.
@@ -72,7 +56,7 @@ OutputTarget target(const SegmentOutput& output) {
                                                       output.folder.string(), error.message())));
             }
             const std::filesystem::path files = output.folder / (name_now() + "_%05d.mkv");
-            const SinkFormat format = even(given);
+            const SinkFormat format = with_even_size(given);
             return choose_video_encoder(format).and_then([&](const VideoEncoder& encoder) {
               const std::string text = fmt::format(
                   "{} ! h264parse ! splitmuxsink name=muxer location={} max-size-time={} "
@@ -89,9 +73,7 @@ OutputTarget target(const RtspOutput& output) {
   return {fmt::format("rtsp://{}:{}{}", output.address, output.port, output.path),
           Reopening::possible, [output](const SinkFormat& format) {
 #ifdef GIMBALD_HAS_RTSP
-            auto sink = RtspSink::start(
-                {output.address, output.port, output.path, output.bitrate_kbps, output.audio},
-                format);
+            auto sink = RtspSink::start(output, format);
             return sink ? OpenedSink(std::move(*sink)) : OpenedSink(tl::unexpected(sink.error()));
 #else
             (void)format;

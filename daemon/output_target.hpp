@@ -8,6 +8,7 @@
 
 #include "pipeline/sample/result.hpp"
 #include "pipeline/sink/frame_sink.hpp"
+#include "pipeline/sink/rtsp_sink.hpp"
 
 namespace gimbal {
 
@@ -34,15 +35,7 @@ struct SegmentOutput {
 };
 
 /// To clients that ask for it.
-struct RtspOutput {
-  std::string address = "127.0.0.1";
-  int port = 8554;
-  std::string path = "/gimbald";
-  int bitrate_kbps = 4000;
-  std::string audio;
-
-  bool operator==(const RtspOutput&) const = default;
-};
+using RtspOutput = RtspSettings;
 
 /// H.264 in RTP (RFC 6184), payload type 96, sent whether somebody listens or not.
 struct UdpOutput {

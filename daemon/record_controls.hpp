@@ -38,7 +38,7 @@ class RecordControls {
   std::unique_ptr<Button> button_;
   std::unique_ptr<GpioOutput> light_;
   Recorder& recorder_;
-  bool is_watched_;  ///< the button, until its line fails
+  bool is_watched_;     ///< the button, until its line fails
   SensorTime settled_;  ///< when the last press had been obeyed
   std::optional<GpioLevel> shown_;
   unsigned looks_ = 0;

@@ -10,6 +10,8 @@
 #include <system_error>
 #include <utility>
 
+#include "daemon/name_now.hpp"
+
 namespace gimbal {
 namespace {
 
@@ -78,7 +80,7 @@ Result<std::filesystem::path> Recorder::new_folder() const {
                                  parent.string(), space.available / kMegabyte,
                                  settings_.min_free_mb));
   }
-  const std::string name = fmt::format("{:%Y-%m-%dT%H-%M-%S}", fmt::localtime(std::time(nullptr)));
+  const std::string name = name_now();
   std::filesystem::path folder = parent / name;
   for (int i = 2; std::filesystem::exists(folder, error); ++i) {
     folder = parent / fmt::format("{}_{}", name, i);

@@ -34,8 +34,7 @@ std::string video_text(const std::string& encoder, const std::filesystem::path& 
 
 Result<std::unique_ptr<Recording>> Recording::start(Session about, const SinkFormat& format,
                                                     std::string encoder) {
-  SinkFormat even = format;
-  even.size = {format.size.width / 2 * 2, format.size.height / 2 * 2};
+  const SinkFormat even = with_even_size(format);
   if (encoder.empty()) {
     const auto chosen = choose_recording_encoder(even);
     if (!chosen) return tl::unexpected(chosen.error());

@@ -54,6 +54,14 @@ std::unique_ptr<AttitudeStream> make_attitudes(EstimatorKind kind, const Lookahe
   return make_smoothed_stream(parameters);
 }
 
+void take_over_live(const StabilizationSettings& from, StabilizationSettings& to) {
+  to.amount = from.amount;
+  to.path = from.path;
+  to.latency = from.latency;
+  to.zoom = from.zoom;
+  to.border = from.border;
+}
+
 std::unique_ptr<CameraPath> make_path(const StabilizationSettings& settings, double fps) {
   if (settings.correction == Correction::rectify_only) return make_hann_path(1, settings.latency);
   if (settings.path == PathKind::hann) {

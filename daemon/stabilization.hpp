@@ -54,6 +54,9 @@ struct StabilizationSettings {
   bool operator==(const StabilizationSettings&) const = default;
 };
 
+/// Takes over what may change while pictures are drawn: amount, path, latency, zoom and border.
+void take_over_live(const StabilizationSettings& from, StabilizationSettings& to);
+
 [[nodiscard]] std::unique_ptr<CameraPath> make_path(const StabilizationSettings& settings,
                                                     double fps);
 

@@ -41,15 +41,6 @@ std::vector<std::string> changed_other_keys(const Configuration& before,
   return keys;
 }
 
-/// All that may change while pictures are drawn.
-void take_over(const StabilizationSettings& from, StabilizationSettings& to) {
-  to.amount = from.amount;
-  to.path = from.path;
-  to.latency = from.latency;
-  to.zoom = from.zoom;
-  to.border = from.border;
-}
-
 }  // namespace
 
 Supervisor::Supervisor(LivePipeline& pipeline, Recorder& recorder, Configuration configuration,
@@ -66,7 +57,7 @@ Result<ReloadReport> Supervisor::reload() {
   const std::lock_guard lock(mutex_);
   const ReloadReport report{changed_live_keys(settings_, read->stabilization),
                             changed_other_keys(at_start_, *read)};
-  take_over(read->stabilization, settings_);
+  take_over_live(read->stabilization, settings_);
   pipeline_.apply(settings_);
   return report;
 }

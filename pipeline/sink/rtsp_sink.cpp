@@ -11,12 +11,12 @@
 #include "pipeline/gstreamer/gst_frames.hpp"
 #include "pipeline/gstreamer/gst_messages.hpp"
 #include "pipeline/gstreamer/gst_runtime.hpp"
+#include "pipeline/sink/gstreamer_sink.hpp"
 #include "pipeline/sink/video_encoder.hpp"
 
 namespace gimbal {
 namespace {
 
-constexpr const char* kSourceName = "gimbald_frames";
 /// What an encoder has not taken by then is too old to be seen.
 constexpr guint64 kQueuedFrames = 4;
 
@@ -32,7 +32,7 @@ using GLibPtr = std::unique_ptr<T, GLibUnref>;
 std::string media_text(const RtspSettings& settings, const VideoEncoder& encoder) {
   const std::string video = fmt::format(
       "appsrc name={} ! videoconvert ! {} ! rtph264pay name=pay0 pt=96 config-interval=-1",
-      kSourceName, encoder.text);
+      kFrameSourceName, encoder.text);
   if (settings.audio.empty()) return fmt::format("( {} )", video);
   return fmt::format(
       "( {} {} ! audioconvert ! audioresample ! opusenc ! rtpopuspay name=pay1 pt=97 )", video,
@@ -142,7 +142,7 @@ class GstRtspSink final : public RtspSink {
 
   void begin(GstRTSPMedia* media) {
     const GstElementPtr element(gst_rtsp_media_get_element(media));
-    GstElementPtr source(gst_bin_get_by_name_recurse_up(GST_BIN(element.get()), kSourceName));
+    GstElementPtr source(gst_bin_get_by_name_recurse_up(GST_BIN(element.get()), kFrameSourceName));
     const GstCapsPtr caps = nv12_caps(format_.size, format_.fps, format_.color);
     g_object_set(source.get(), "caps", caps.get(), "format", GST_FORMAT_TIME, "is-live", TRUE,
                  "min-latency", gint64{format_.live->delay.count()}, "max-bytes", guint64{0},
@@ -199,8 +199,7 @@ class GstRtspSink final : public RtspSink {
 Result<std::unique_ptr<RtspSink>> RtspSink::start(const RtspSettings& settings,
                                                   const SinkFormat& format) {
   if (auto started = init_gstreamer(); !started) return tl::unexpected(started.error());
-  SinkFormat encoded = format;
-  encoded.size = {format.size.width / 2 * 2, format.size.height / 2 * 2};
+  const SinkFormat encoded = with_even_size(format);
   const auto encoder = choose_stream_encoder(encoded, settings.bitrate_kbps);
   if (!encoder) return tl::unexpected(encoder.error());
   auto sink = std::make_unique<GstRtspSink>(settings, encoded);

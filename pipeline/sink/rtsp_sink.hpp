@@ -15,6 +15,8 @@ struct RtspSettings {
   std::string path = "/gimbald";
   int bitrate_kbps = 4000;
   std::string audio;  ///< pipeline text of a live source; empty for none
+
+  bool operator==(const RtspSettings&) const = default;
 };
 
 /// Serves any number of clients from one encoder, which runs only while there are some. Writing

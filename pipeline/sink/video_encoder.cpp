@@ -55,6 +55,11 @@ Result<VideoEncoder> first_installed(const std::vector<VideoEncoder>& encoders) 
 
 }  // namespace
 
+SinkFormat with_even_size(SinkFormat format) {
+  format.size = {format.size.width / 2 * 2, format.size.height / 2 * 2};
+  return format;
+}
+
 std::vector<VideoEncoder> video_encoders(const SinkFormat& format) {
   return {
       // Without vbv-buf-capacity=0 the element caps the quality asked for at its default bit rate.

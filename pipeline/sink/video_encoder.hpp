@@ -7,6 +7,9 @@
 
 namespace gimbal {
 
+/// H.264 has even sizes only: without the last column or row of an odd one.
+[[nodiscard]] SinkFormat with_even_size(SinkFormat format);
+
 /// A way to H.264, as pipeline text from raw pictures of even size to what .mp4 and .mkv take.
 struct VideoEncoder {
   const char* element;

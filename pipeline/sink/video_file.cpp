@@ -31,10 +31,6 @@ Container container_of(const std::filesystem::path& path) {
           "ends where writing failed"};
 }
 
-ImageSize even(ImageSize size) {
-  return {size.width / 2 * 2, size.height / 2 * 2};
-}
-
 std::string size_warning(const std::filesystem::path& path, ImageSize given, ImageSize written) {
   return fmt::format(
       "{}: H.264 has even sizes only: written as {}x{}, without the last column or row of {}x{}",
@@ -78,8 +74,7 @@ std::string lower_case_extension(const std::filesystem::path& path) {
 Result<std::unique_ptr<FrameSink>> open_video_file(const std::filesystem::path& path,
                                                    const SinkFormat& format,
                                                    const std::optional<AudioTrack>& audio) {
-  SinkFormat encoded = format;
-  encoded.size = even(format.size);
+  const SinkFormat encoded = with_even_size(format);
   if (encoded.size.width == 0 || encoded.size.height == 0) {
     return bad_input(fmt::format("{}: {}x{} is too small for H.264", path.string(),
                                  format.size.width, format.size.height));

@@ -4,8 +4,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <string>
 #include <vector>
 
@@ -20,6 +22,19 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
 constexpr int kLimit_s = 100;
+
+/// The numbers that a pattern's groups match.
+template <std::size_t count>
+std::array<long, count> counts_in(const std::string& text, const char* pattern) {
+  std::array<long, count> counts{};
+  std::smatch match;
+  if (!std::regex_search(text, match, std::regex(pattern))) {
+    ADD_FAILURE() << text;
+    return counts;
+  }
+  for (std::size_t i = 0; i < count; ++i) counts[i] = std::stol(match[i + 1]);
+  return counts;
+}
 
 class Gimbald : public ::testing::Test {
  protected:
@@ -53,6 +68,13 @@ TEST_F(Gimbald, PlaysARecordingToItsEndAndFinishesTheFile) {
   const auto video = probe_video(path("out.mkv"));
   ASSERT_TRUE(video) << video.error().message;
   EXPECT_GT(video->frame_count, 0);
+  const auto [out, without_orientation, before_drawing] =
+      counts_in<3>(played.standard_error,
+                   R"((\d+) out, (\d+) dropped for want of orientation, (\d+) before drawing)");
+  EXPECT_EQ(out + without_orientation + before_drawing, 60);
+  const auto [written, dropped] =
+      counts_in<2>(played.standard_error, R"((\d+) frames written, (\d+) dropped)");
+  EXPECT_EQ(written + dropped, out);
   EXPECT_THAT(played.standard_error,
               HasSubstr(std::to_string(video->frame_count) + " frames written"));
 }
