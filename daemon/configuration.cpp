@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -80,12 +81,27 @@ void read_camera(TomlTable& table, const std::filesystem::path& file, ChosenDriv
   }
 }
 
-void read_imu(TomlTable& table, ChosenDrivers& drivers, CalibrationSettings& calibration) {
+void read_bias_memory(TomlTable& table, BiasMemorySettings& settings) {
+  constexpr double kSecondsADay = 86400;
+  constexpr double kMostDays = 10000;
+  if (const auto file = table.text("bias_file")) settings.file = *file;
+  if (const auto days = table.number("bias_kept_days")) {
+    if (!(*days > 0 && *days <= kMostDays)) {
+      table.refuse("bias_kept_days", "must be above 0, and 10000 at most");
+    } else {
+      settings.longest_age = std::chrono::seconds(std::lround(*days * kSecondsADay));
+    }
+  }
+}
+
+void read_imu(TomlTable& table, ChosenDrivers& drivers, Configuration& configuration) {
+  CalibrationSettings& calibration = configuration.calibration;
   if (const auto driver = table.choice<std::optional<ImuDriver>>("driver", kImuDrivers)) {
     drivers.imu = *driver;
   }
   if (const auto R = read_rotation(table, "R_camera_imu")) calibration.R_camera_imu = R;
   if (const auto delay = read_imu_delay(table)) calibration.imu_delay = delay;
+  read_bias_memory(table, configuration.bias_memory);
 }
 
 void read_replay(TomlTable& table, ReplaySettings& replay) {
@@ -166,7 +182,7 @@ Result<void> read_file(const std::filesystem::path& file, Configuration& configu
     return [&root, name, reader] { return read_table(*root, name, reader); };
   };
   return read("camera", [&](TomlTable& t) { read_camera(t, file, drivers, calibration); })()
-      .and_then(read("imu", [&](TomlTable& t) { read_imu(t, drivers, calibration); }))
+      .and_then(read("imu", [&](TomlTable& t) { read_imu(t, drivers, configuration); }))
       .and_then(read("replay", [&](TomlTable& t) { read_replay(t, configuration.replay); }))
       .and_then(read("v4l2", [&](TomlTable& t) { read_v4l2(t, configuration.camera.v4l2); }))
       .and_then(read("libcamera",
@@ -223,6 +239,24 @@ Result<std::vector<std::filesystem::path>> usual_configuration_files() {
   return bad_input(
       fmt::format("{}: no such file: write one (see {}/examples), or give --config FILE",
                   main_file.string(), GIMBALD_DATA));
+}
+
+std::string imu_name(const Configuration& configuration) {
+  const ImuSettings& imu = configuration.imu;
+  std::string name = "replay-" + configuration.replay.session.string();
+  if (configuration.source == SourceKind::devices) {
+    const auto* const driver = std::ranges::find_if(
+        kImuDrivers, [&](const auto& known) { return known.value == imu.driver; });
+    const bool is_iio = imu.driver == ImuDriver::iio;
+    name = fmt::format("{}-{}", driver->name, is_iio ? imu.iio.device : to_string(imu.i2c.address));
+  }
+  const auto is_not_plain = [](char c) {
+    const bool is_plain = (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') ||
+                          (c >= 'a' && c <= 'z') || c == '.' || c == '_';
+    return !is_plain;
+  };
+  std::ranges::replace_if(name, is_not_plain, '-');
+  return name;
 }
 
 Result<Configuration> load_configuration(std::span<const std::filesystem::path> files) {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "daemon/bias_memory_settings.hpp"
 #include "daemon/control_address.hpp"
 #include "daemon/gpio_settings.hpp"
 #include "daemon/output_target.hpp"
@@ -55,6 +56,7 @@ struct Configuration {
   CameraSettings camera;
   ImuSettings imu;
   CalibrationSettings calibration;
+  BiasMemorySettings bias_memory;
   StabilizationSettings stabilization;
   std::vector<OutputSettings> outputs;
   ControlSettings control;
@@ -65,6 +67,10 @@ struct Configuration {
 /// Where the daemon looks if it is not told: /etc/gimbald/gimbald.toml, then
 /// /etc/gimbald/conf.d/*.toml in the order of their names. Fails if there is none.
 [[nodiscard]] Result<std::vector<std::filesystem::path>> usual_configuration_files();
+
+/// Which IMU is used, by its driver and its place: letters, digits, dots, dashes and underscores,
+/// so that it may be part of a file's name.
+[[nodiscard]] std::string imu_name(const Configuration& configuration);
 
 /// Reads the files in order; a later one overrides single keys of an earlier one. Fails with file,
 /// line, key, what was found and what is allowed; a key that is not known is an error.

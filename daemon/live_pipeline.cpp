@@ -59,10 +59,12 @@ SensorTime stamp_of(const ImuReading& reading) {
 Result<std::unique_ptr<LivePipeline>> LivePipeline::start(
     LiveSources sources, const StabilizationSettings& settings,
     const std::vector<OutputSettings>& outputs, SourceObserver* observer) {
-  auto stabilizer = Stabilizer::create(sources.camera_calibration, sources.imu_calibration,
-                                       make_attitudes(settings.estimator, Lookahead::nothing()),
-                                       make_path(settings, usual_fps(sources.camera_calibration)),
-                                       stabilizer_options(settings));
+  AttitudeEkfParameters ekf;
+  ekf.remembered_bias = sources.remembered_bias;
+  auto stabilizer = Stabilizer::create(
+      sources.camera_calibration, sources.imu_calibration,
+      make_attitudes(settings.estimator, Lookahead::nothing(), ekf),
+      make_path(settings, usual_fps(sources.camera_calibration)), stabilizer_options(settings));
   if (!stabilizer) return tl::unexpected(stabilizer.error());
   if (sources.format.size != sources.camera_calibration.size) {
     return bad_input("the camera delivers another size of picture than its calibration is for");
@@ -265,6 +267,7 @@ void LivePipeline::hand_on(const VirtualCamera& camera) {
     attitude_ = {stabilizer_.time_of_pose(camera.stamp),
                  stabilizer_.real_pose(camera.stamp).q_world_camera};
     suspicion_ = stabilizer_.suspicion();
+    gyro_bias_ = stabilizer_.gyro_bias();
   }
   drawings_.push({std::move(held_.front()), stabilizer_.mesh_for(camera)});
   held_.pop_front();
@@ -372,6 +375,11 @@ std::optional<Error> LivePipeline::failure() const {
 std::string LivePipeline::renderer() const {
   const std::lock_guard lock(mutex_);
   return renderer_;
+}
+
+std::optional<GyroBias> LivePipeline::gyro_bias() const {
+  const std::lock_guard lock(mutex_);
+  return gyro_bias_;
 }
 
 LiveStatus LivePipeline::status() const {

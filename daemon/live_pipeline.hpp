@@ -34,7 +34,8 @@ struct LiveSources {
   CameraCalibration camera_calibration;
   ImuCalibration imu_calibration;
   Accelerometer accelerometer = Accelerometer::present;
-  std::string device;  ///< what these are, for people
+  std::optional<GyroBias> remembered_bias;  ///< from the run before
+  std::string device;                       ///< what these are, for people
 };
 
 /// Every frame that came in is out, dropped or still held.
@@ -134,6 +135,9 @@ class LivePipeline {
   /// What draws.
   [[nodiscard]] std::string renderer() const;
 
+  /// For the next run; see AttitudeStream.
+  [[nodiscard]] std::optional<GyroBias> gyro_bias() const;
+
  private:
   using Inflow = std::variant<GyroSample, AccelSample, VideoFrame, StabilizationSettings,
                               SourceLost, SourceEnd>;
@@ -220,6 +224,7 @@ class LivePipeline {
   std::string renderer_;
   std::string suspicion_;
   std::optional<CameraAttitude> attitude_;
+  std::optional<GyroBias> gyro_bias_;
   std::optional<Error> failure_;
   std::deque<SensorDuration> ages_;
 

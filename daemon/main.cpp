@@ -8,6 +8,7 @@
 #include <memory>
 #include <vector>
 
+#include "daemon/bias_memory.hpp"
 #include "daemon/configuration.hpp"
 #include "daemon/journal.hpp"
 #include "daemon/live_pipeline.hpp"
@@ -64,14 +65,20 @@ Result<ReloadReport> reload(Supervisor& daemon) {
   return report;
 }
 
+WallTime wall_now() {
+  return std::chrono::time_point_cast<std::chrono::seconds>(std::chrono::system_clock::now());
+}
+
 /// Until a signal or the pipeline's own end. The watchdog is fed only while pictures come out.
-void wait_for_end(LivePipeline& pipeline, Supervisor& daemon, const sigset_t& signals) {
+void wait_for_end(LivePipeline& pipeline, Supervisor& daemon, BiasMemory& memory,
+                  const sigset_t& signals) {
   const timespec look{0, std::chrono::nanoseconds(kLook).count()};
   std::uint64_t progress_seen = 0;
   while (!pipeline.has_ended()) {
     const int signal = sigtimedwait(&signals, nullptr, &look);
     if (signal == SIGINT || signal == SIGTERM) return;
     if (signal == SIGHUP) static_cast<void>(reload(daemon));
+    memory.keep(pipeline.gyro_bias(), wall_now());
     if (pipeline.progress() == progress_seen) continue;
     progress_seen = pipeline.progress();
     const LiveCounts counts = pipeline.counts();
@@ -116,6 +123,8 @@ int run(const Configuration& configuration, const std::vector<std::filesystem::p
   const sigset_t signals = block_signals();
   auto sources = open_sources(configuration);
   if (!sources) return report(sources.error());
+  BiasMemory memory = bias_memory_for(configuration);
+  sources->remembered_bias = memory.recall(wall_now());
   Recorder recorder(configuration.recording, sources->format, recorded_by(*sources));
   auto pipeline = LivePipeline::start(std::move(*sources), configuration.stabilization,
                                       configuration.outputs, &recorder);
@@ -132,7 +141,7 @@ int run(const Configuration& configuration, const std::vector<std::filesystem::p
   if (!control) return report(control.error());
 #endif
   notify_service("READY=1");
-  wait_for_end(**pipeline, daemon, signals);
+  wait_for_end(**pipeline, daemon, memory, signals);
   notify_service("STOPPING=1");
 #ifdef GIMBALD_HAS_CONTROL
   control->reset();
@@ -142,6 +151,7 @@ int run(const Configuration& configuration, const std::vector<std::filesystem::p
 #endif
   if (recorder.status().is_recording) static_cast<void>(recorder.stop());
   (*pipeline)->stop();
+  memory.keep_last((*pipeline)->gyro_bias(), wall_now());
   log_summary(**pipeline);
   if (const auto failure = (*pipeline)->failure()) return report(*failure);
   const auto& outputs = (*pipeline)->outputs();

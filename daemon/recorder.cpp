@@ -2,15 +2,14 @@
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <chrono>
-#include <cstdlib>
 #include <ctime>
 #include <system_error>
 #include <utility>
 
 #include "daemon/name_now.hpp"
+#include "daemon/state_folder.hpp"
 
 namespace gimbal {
 namespace {
@@ -34,19 +33,6 @@ std::string rfc3339_now() {
 
 }  // namespace
 
-std::filesystem::path usual_recordings_folder() {
-  if (const char* const given = std::getenv("STATE_DIRECTORY")) {
-    const std::string folders = given;  // several are parted by colons; the first is ours
-    return std::filesystem::path(folders.substr(0, folders.find(':'))) / "sessions";
-  }
-  if (::geteuid() == 0) return "/var/lib/gimbald/sessions";
-  if (const char* const data = std::getenv("XDG_DATA_HOME")) {
-    return std::filesystem::path(data) / "gimbald/sessions";
-  }
-  const char* const home = std::getenv("HOME");
-  return std::filesystem::path(home != nullptr ? home : "/tmp") / ".local/share/gimbald/sessions";
-}
-
 Recorder::Recorder(RecordingSettings settings, CameraFormat format, Session about)
     : settings_(std::move(settings)), format_(std::move(format)), about_(std::move(about)) {}
 
@@ -67,7 +53,7 @@ std::shared_ptr<Recording> Recorder::current() const {
 
 Result<std::filesystem::path> Recorder::new_folder() const {
   const std::filesystem::path parent =
-      settings_.folder.empty() ? usual_recordings_folder() : settings_.folder;
+      settings_.folder.empty() ? state_folder() / "sessions" : settings_.folder;
   std::error_code error;
   std::filesystem::create_directories(parent, error);
   if (error) {

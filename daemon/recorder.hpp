@@ -13,10 +13,6 @@
 
 namespace gimbal {
 
-/// In the folder that the service manager keeps for us ($STATE_DIRECTORY), else below
-/// /var/lib/gimbald for root, else below $XDG_DATA_HOME or ~/.local/share.
-[[nodiscard]] std::filesystem::path usual_recordings_folder();
-
 struct RecordingStatus {
   bool is_recording = false;
   std::filesystem::path folder;  ///< of the present or the last recording; empty if none

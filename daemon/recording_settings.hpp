@@ -8,7 +8,7 @@ namespace gimbal {
 
 /// The table [recording].
 struct RecordingSettings {
-  std::filesystem::path folder;      ///< of session folders; empty for usual_recordings_folder
+  std::filesystem::path folder;      ///< of session folders; empty for sessions in state_folder
   std::string encoder;               ///< pipeline text; empty for the best that is installed
   std::uintmax_t min_free_mb = 100;  ///< less free space than that, and none is begun
 

@@ -44,12 +44,14 @@ const std::map<std::string, Border>& border_names() {
   return names;
 }
 
-std::unique_ptr<AttitudeStream> make_attitudes(EstimatorKind kind, const Lookahead& lookahead) {
+std::unique_ptr<AttitudeStream> make_attitudes(EstimatorKind kind, const Lookahead& lookahead,
+                                               const AttitudeEkfParameters& ekf) {
   if (kind == EstimatorKind::thesis) return make_causal_stream(std::make_unique<ThesisEkf>());
   if (lookahead.lag && *lookahead.lag <= SensorDuration::zero()) {
-    return make_causal_stream(AttitudeEkfParameters{});
+    return make_causal_stream(ekf);
   }
   FixedLagSmootherParameters parameters;
+  parameters.ekf = ekf;
   parameters.lag = lookahead.lag;
   return make_smoothed_stream(parameters);
 }

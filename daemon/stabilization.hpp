@@ -35,9 +35,10 @@ struct Lookahead {
   std::optional<SensorDuration> lag;  ///< none: the whole recording
 };
 
-/// The thesis' filter never looks ahead, whatever it is allowed.
+/// The thesis' filter never looks ahead, whatever it is allowed, and has no parameters of `ekf`.
 [[nodiscard]] std::unique_ptr<AttitudeStream> make_attitudes(EstimatorKind kind,
-                                                             const Lookahead& lookahead);
+                                                             const Lookahead& lookahead,
+                                                             const AttitudeEkfParameters& ekf = {});
 
 /// What a person chooses about the picture, for a recording and for a live camera alike.
 struct StabilizationSettings {

@@ -32,7 +32,7 @@ std::vector<std::string> changed_other_keys(const Configuration& before,
       before.calibration != after.calibration) {
     keys.emplace_back("camera");
   }
-  if (before.imu != after.imu) keys.emplace_back("imu");
+  if (before.imu != after.imu || before.bias_memory != after.bias_memory) keys.emplace_back("imu");
   if (before.replay != after.replay) keys.emplace_back("replay");
   if (before.outputs != after.outputs) keys.emplace_back("outputs");
   if (before.control != after.control) keys.emplace_back("control");

@@ -91,6 +91,7 @@ class Stabilizer {
 
   /// See AttitudeStream.
   [[nodiscard]] std::string_view suspicion() const { return attitudes_->suspicion(); }
+  [[nodiscard]] std::optional<GyroBias> gyro_bias() const { return attitudes_->gyro_bias(); }
 
   [[nodiscard]] const AttitudeHistory& history() const { return history_; }
 

@@ -16,6 +16,11 @@ std::optional<AttitudeEstimate> take_first(std::deque<AttitudeEstimate>& ready) 
   return first;
 }
 
+std::optional<GyroBias> learned_bias(const AttitudeEkf& filter) {
+  if (!filter.state().last || filter.plausibility() != Plausibility::plausible) return std::nullopt;
+  return filter.gyro_bias();
+}
+
 class PlainStream final : public AttitudeStream {
  public:
   explicit PlainStream(std::unique_ptr<Estimator> estimator) : estimator_(std::move(estimator)) {}
@@ -30,6 +35,7 @@ class PlainStream final : public AttitudeStream {
   std::optional<AttitudeEstimate> pop() override { return take_first(ready_); }
 
   [[nodiscard]] std::string_view suspicion() const override { return {}; }
+  [[nodiscard]] std::optional<GyroBias> gyro_bias() const override { return std::nullopt; }
 
  private:
   std::unique_ptr<Estimator> estimator_;
@@ -48,6 +54,7 @@ class CausalStream final : public AttitudeStream {
   [[nodiscard]] std::string_view suspicion() const override {
     return describe(filter_.plausibility());
   }
+  [[nodiscard]] std::optional<GyroBias> gyro_bias() const override { return learned_bias(filter_); }
 
  private:
   void take(const SpikeGate::Passed& passed) {
@@ -78,6 +85,9 @@ class SmoothedStream final : public AttitudeStream {
 
   [[nodiscard]] std::string_view suspicion() const override {
     return describe(smoother_.filter().plausibility());
+  }
+  [[nodiscard]] std::optional<GyroBias> gyro_bias() const override {
+    return learned_bias(smoother_.filter());
   }
 
  private:

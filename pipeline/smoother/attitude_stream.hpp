@@ -30,6 +30,10 @@ class AttitudeStream {
 
   /// One line for a person about samples that cannot be what they claim; empty if nothing is odd.
   [[nodiscard]] virtual std::string_view suspicion() const = 0;
+
+  /// For the next run, see AttitudeEkf. None where nothing was learned that is to be trusted: of an
+  /// estimator that has no bias, before the first sample, while something is odd.
+  [[nodiscard]] virtual std::optional<GyroBias> gyro_bias() const = 0;
 };
 
 /// Each sample's answer at once, from the past alone, by an estimator that says nothing of its

@@ -19,6 +19,7 @@ namespace gimbal {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::StartsWith;
 
 constexpr int kLimit_s = 100;
@@ -94,6 +95,7 @@ TEST_F(Gimbald, SaysWhatIsWrongWithAConfiguration) {
            {"outputz = [\"-\"]\n", "line 1: \"outputz\" is not known; is outputs meant?"},
            {replay + "repaet = true\n",
             "line 4: replay.\"repaet\" is not known; is replay.repeat meant?"},
+           {replay + "[imu]\nbias_kept_days = 0\n", "line 5: imu.bias_kept_days must be above 0"},
            {replay + "repeat = 1\n", "line 4: replay.repeat is \"1\"; true or false is expected"},
            {replay + "[stabilization]\namount = 2\n", "stabilization.amount must be from 0 to 1"},
            {replay + "[stabilization]\nzoom = \"big\"\n", "zoom must be \"auto\" or a ratio"},
@@ -172,6 +174,30 @@ TEST_F(Gimbald, TakesOverChangesOnSighupAndRefusesBrokenOnes) {
       HasSubstr("not reloaded: more.toml, line 2: stabilization.amount must be from 0 to 1"));
   EXPECT_THAT(ran.standard_error, HasSubstr("reloaded: amount"));
   EXPECT_THAT(ran.standard_error, HasSubstr("0 dropped for want of orientation"));
+}
+
+TEST_F(Gimbald, RemembersTheGyroscopesBiasUntilTheNextRun) {
+  const auto simulated =
+      test::run_program({GIMBALCTL, "simulate", "-o", path("session"), "--size", "320x240",
+                         "--duration", "1", "--motion", "walk", "--quiet"},
+                        kLimit_s);
+  ASSERT_EQ(simulated.exit_status, 0) << simulated.standard_error;
+  const auto play = [&] {
+    const auto played = run("outputs = [\"" + path("out.y4m") + "\"]\n[replay]\nsession = \"" +
+                            path("session") + "\"\nrepeat = false\n[imu]\nbias_file = \"" +
+                            path("bias.toml") + "\"\n[stabilization]\nwarper = \"cpu\"\n");
+    EXPECT_EQ(played.exit_status, 0);
+    return played.standard_error;
+  };
+  constexpr auto kRecalls = "the gyroscope's bias was ";
+  EXPECT_THAT(play(), Not(HasSubstr(kRecalls)));
+  EXPECT_THAT(play(), HasSubstr(kRecalls));
+  folder_.write("bias.toml", "spoilt");
+  const std::string log = play();
+  EXPECT_THAT(log, HasSubstr("bias.toml"));
+  EXPECT_THAT(log, HasSubstr("learned anew"));
+  EXPECT_THAT(log, Not(HasSubstr(kRecalls)));
+  EXPECT_THAT(play(), HasSubstr(kRecalls));
 }
 
 TEST_F(Gimbald, ASessionThatIsNotThereIsBadInput) {

@@ -105,8 +105,12 @@ class FakeImu final : public ImuSource {
 
 class LivePipelineTest : public ::testing::Test {
  protected:
-  void SetUp() override {
+  void SetUp() override { start(std::nullopt); }
+
+  void start(const std::optional<GyroBias>& remembered_bias) {
+    pipeline_.reset();
     LiveSources sources;
+    sources.remembered_bias = remembered_bias;
     sources.camera = std::make_unique<FakeCamera>(camera_);
     sources.imu = std::make_unique<FakeImu>(imu_);
     sources.format = {kSize, kFps, {}};
@@ -211,6 +215,20 @@ TEST_P(LivePipelineWithoutAnImu, FramesPassUntilItIsBack) {
   pipeline_->stop();
   expect_that_frames_add_up();
   EXPECT_EQ(pipeline_->counts().dropped_without_orientation, 0U);
+}
+
+TEST_F(LivePipelineTest, ABiasFromTheRunBeforeCountsFromTheFirstPicture) {
+  const Eigen::Vector3d bias_rad_s(0, 0.1, 0);  // the fake IMU lies still and shows this
+  start(GyroBias{bias_rad_s, Eigen::Vector3d::Constant(1e-4)});
+  ASSERT_TRUE(comes_true([&] { return pipeline_->status().attitude.has_value(); }));
+  const Eigen::Quaterniond first = pipeline_->status().attitude->q_world_camera;
+  ASSERT_TRUE(frames_come());
+  // Without it the picture turns by a degree and more meanwhile.
+  EXPECT_LT(first.angularDistance(pipeline_->status().attitude->q_world_camera), 0.005);
+  pipeline_->stop();
+  const auto learned = pipeline_->gyro_bias();
+  ASSERT_TRUE(learned);
+  EXPECT_LT((learned->bias_rad_s - bias_rad_s).norm(), 0.005);
 }
 
 TEST_F(LivePipelineTest, OtherChoicesCostNoFrame) {

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <vector>
 
@@ -98,6 +100,29 @@ TEST(AttitudeStream, AHardStartIsNoSpike) {
   EXPECT_NEAR(
       answers[1030].attitude.q_world_imu.angularDistance(without[1030].attitude.q_world_imu),
       20 * 0.005 * 8, 0.5 * kDegree);
+}
+
+TEST(AttitudeStream, TellsABiasForTheNextRunOnlyIfItIsToBeTrusted) {
+  const std::vector<ImuSample> samples = hand(6);
+  std::vector<ImuSample> in_g = samples;
+  for (ImuSample& sample : in_g) *sample.accel_m_s2 /= kGravity_m_s2;
+  const auto streams = [] {
+    std::array<std::unique_ptr<AttitudeStream>, 2> both;
+    both[0] = make_causal_stream(AttitudeEkfParameters{});
+    both[1] = make_smoothed_stream(FixedLagSmootherParameters{});
+    return both;
+  };
+  for (const auto& stream : streams()) {
+    EXPECT_FALSE(stream->gyro_bias());  // nothing seen
+    through(*stream, samples);
+    ASSERT_TRUE(stream->gyro_bias());
+    EXPECT_LT(stream->gyro_bias()->sigma_rad_s.x(),
+              AttitudeEkfParameters{}.gyro_bias.sigma_rad_s.x());
+  }
+  for (const auto& stream : streams()) {
+    through(*stream, in_g);
+    EXPECT_FALSE(stream->gyro_bias());
+  }
 }
 
 TEST(AttitudeStream, TheLastSampleIsNotHeldBack) {
