@@ -16,11 +16,7 @@ results=$rig/results
 
 require_tools() {
   [[ $(uname -m) == x86_64 ]] || skip "the virtual machine is for x86_64 so far"
-  [[ $(id -u) == 0 ]] || skip "root is needed to make a Debian tree"
-  local tool
-  for tool in qemu-system-x86_64 mmdebstrap mke2fs rsync apt-get; do
-    command -v "$tool" >/dev/null || skip "no $tool on this machine"
-  done
+  require_tree_tools qemu-system-x86_64 mke2fs
 }
 
 make_trees() {
@@ -30,7 +26,7 @@ make_trees() {
   trees=$(cached trees \
     "$(key_of "@$hardware/host/debian_tree.sh" "@$hardware/host/build_trees.sh" \
       "$guest_packages" "$toolchain_packages")" \
-    build_trees.sh "$guest_packages" "$toolchain_packages") ||
+    "$hardware/host/build_trees.sh" "$guest_packages" "$toolchain_packages") ||
     skip "no Debian tree could be made; is the archive in reach?"
 }
 
@@ -38,10 +34,10 @@ make_image() {
   local kernel modules
   kernel=$(basename "$trees"/guest/usr/lib/modules/*)
   modules=$(cached modules "$(key_of "@$hardware/host/build_modules.sh" "$trees")" \
-    build_modules.sh "$trees/toolchain" "$kernel")
+    "$hardware/host/build_modules.sh" "$trees/toolchain" "$kernel")
   image=$(cached image \
     "$(key_of "@$hardware/host/build_image.sh" "$(cat "$hardware"/guest/system/*)" "$modules")" \
-    build_image.sh "$trees/guest" "$modules")
+    "$hardware/host/build_image.sh" "$trees/guest" "$modules")
 }
 
 make_program() {
@@ -146,9 +142,7 @@ main() {
   (($#)) || mapfile -t tests < <(all_tests)
   require_known "${tests[@]}"
   require_tools
-  mkdir -p "$rig"
-  exec {lock}>"$rig/lock"
-  flock "$lock"
+  lock_kept
   make_trees "$packages"
   make_image
   make_program
