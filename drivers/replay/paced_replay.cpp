@@ -57,8 +57,7 @@ void Pace::restart() {
 
 PacedCamera::PacedCamera(const Session& session, std::shared_ptr<ReplayTimeline> timeline,
                          Repeat repeat)
-    : camera_(std::make_unique<ReplayCamera>(session.video, session.frames, fps_of(session))),
-      next_camera_(std::make_unique<ReplayCamera>(session.video, session.frames, fps_of(session))),
+    : camera_(session.video, session.frames, fps_of(session)),
       timeline_(std::move(timeline)),
       repeat_(repeat),
       delivery_delay_(camera_ahead(session) +
@@ -68,16 +67,9 @@ Result<void> PacedCamera::start() {
   pass_ = 0;
   next_index_ = 0;
   pace_.restart();
-  if (auto started = camera_->start(); !started) return started;
-  prepare_next_pass();
+  if (auto started = camera_.start(); !started) return started;
   timeline_->begin_at(monotonic_now());
   return {};
-}
-
-void PacedCamera::prepare_next_pass() {
-  if (repeat_ == Repeat::once) return;
-  if (next_start_.valid()) next_start_.wait();
-  next_start_ = std::async(std::launch::async, [this] { return next_camera_->start(); });
 }
 
 Result<std::optional<VideoFrame>> PacedCamera::read() {
@@ -91,19 +83,12 @@ Result<std::optional<VideoFrame>> PacedCamera::read() {
 }
 
 Result<std::optional<VideoFrame>> PacedCamera::read_recorded() {
-  auto frame = camera_->read();
+  auto frame = camera_.read();
   if (!frame || *frame || repeat_ == Repeat::once) return frame;
   if (!pace_.wait_until(SensorTime::min())) return frame;  // ended because it was stopped
-  if (auto begun = begin_next_pass(); !begun) return tl::unexpected(begun.error());
-  return camera_->read();
-}
-
-Result<void> PacedCamera::begin_next_pass() {
-  if (auto started = next_start_.get(); !started) return started;
-  std::swap(camera_, next_camera_);
+  if (auto rewound = camera_.rewind(); !rewound) return tl::unexpected(rewound.error());
   ++pass_;
-  prepare_next_pass();
-  return {};
+  return camera_.read();
 }
 
 void PacedCamera::stop() {

@@ -3,7 +3,6 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstdint>
-#include <future>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -65,19 +64,14 @@ class PacedCamera final : public CameraSource {
   PacedCamera(const Session& session, std::shared_ptr<ReplayTimeline> timeline, Repeat repeat);
 
   [[nodiscard]] Result<void> start() override;
-  [[nodiscard]] CameraFormat format() const override { return camera_->format(); }
+  [[nodiscard]] CameraFormat format() const override { return camera_.format(); }
   [[nodiscard]] Result<std::optional<VideoFrame>> read() override;
   void stop() override;
 
  private:
   [[nodiscard]] Result<std::optional<VideoFrame>> read_recorded();
-  [[nodiscard]] Result<void> begin_next_pass();
-  void prepare_next_pass();
 
-  std::unique_ptr<ReplayCamera> camera_;
-  /// For the next pass: opening a video takes longer than there is between two frames.
-  std::unique_ptr<ReplayCamera> next_camera_;
-  std::future<Result<void>> next_start_;
+  ReplayCamera camera_;
   std::shared_ptr<ReplayTimeline> timeline_;
   Repeat repeat_;
   SensorDuration delivery_delay_;

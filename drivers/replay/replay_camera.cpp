@@ -24,18 +24,6 @@ double rate_of(const GstVideoInfo& info) {
              : static_cast<double>(GST_VIDEO_INFO_FPS_N(&info)) / GST_VIDEO_INFO_FPS_D(&info);
 }
 
-/// On the clock that the file's streams share; nothing if the file gives none.
-std::optional<SensorDuration> media_time_of(GstSample* picture) {
-  const GstClockTime stamp = GST_BUFFER_PTS(gst_sample_get_buffer(picture));
-  guint64 time = 0;
-  const int sign = gst_segment_to_running_time_full(gst_sample_get_segment(picture),
-                                                    GST_FORMAT_TIME, stamp, &time);
-  if (!GST_CLOCK_TIME_IS_VALID(stamp) || sign == 0) {
-    return std::nullopt;
-  }
-  return SensorDuration(sign * static_cast<std::int64_t>(time));
-}
-
 /// Places are told by times only where each picture has one of its own.
 std::vector<SensorDuration> usable_times(std::vector<SensorDuration> times) {
   const bool is_ambiguous = std::adjacent_find(times.begin(), times.end()) != times.end();
@@ -76,13 +64,30 @@ Result<void> ReplayCamera::start() {
   format_ = {size_of(info), fps_ > 0 ? fps_ : rate_of(info), color_of((*decoder)->caps())};
   coded_count_ = coded->frame_count;
   coded_times_ = usable_times(std::move(coded->frame_times));
+  decoder_ = *std::move(decoder);
+  begin();
+  return {};
+}
+
+Result<void> ReplayCamera::rewind() {
+  auto rewound = decoder_->rewind();
+  if (!rewound) {
+    return tl::unexpected(rewound.error());
+  }
+  if (!*rewound && !decoder_->is_interrupted()) {
+    decoder_.reset();  // two at once would take twice the memory
+    return start();
+  }
+  begin();
+  return {};
+}
+
+void ReplayCamera::begin() {
   next_ = 0;
   place_ = -1;
   has_ended_ = false;
   counts_ = {};
   warnings_.clear();
-  decoder_ = *std::move(decoder);
-  return {};
 }
 
 Result<std::optional<VideoFrame>> ReplayCamera::read() {

@@ -27,6 +27,10 @@ class ReplayCamera final : public CameraSource {
   [[nodiscard]] Result<void> start() override;
   [[nodiscard]] CameraFormat format() const override { return format_; }
 
+  /// Goes back to the first frame; after `start`, and on the thread that reads. Where the file can
+  /// be sought in that takes less than a frame's time and no memory.
+  [[nodiscard]] Result<void> rewind();
+
   /// Ends with the shorter of the two, video and frame list. Of a damaged video pictures are
   /// missing, or it ends early.
   [[nodiscard]] Result<std::optional<VideoFrame>> read() override;
@@ -56,6 +60,7 @@ class ReplayCamera final : public CameraSource {
     std::int64_t stamps_passed = 0;  ///< without a picture, though later ones have one
   };
 
+  void begin();
   [[nodiscard]] bool is_wanted(std::optional<SensorDuration> media_time);
   [[nodiscard]] std::int64_t place_of(std::optional<SensorDuration> media_time) const;
   [[nodiscard]] Result<std::optional<VideoFrame>> deliver(std::optional<VideoFrame> frame);

@@ -61,6 +61,17 @@ GstPadProbeReturn accept_strides(GstPad* /*pad*/, GstPadProbeInfo* info, gpointe
 
 }  // namespace
 
+std::optional<SensorDuration> media_time_of(GstSample* picture) {
+  const GstClockTime stamp = GST_BUFFER_PTS(gst_sample_get_buffer(picture));
+  guint64 time = 0;
+  const int sign = gst_segment_to_running_time_full(gst_sample_get_segment(picture),
+                                                    GST_FORMAT_TIME, stamp, &time);
+  if (!GST_CLOCK_TIME_IS_VALID(stamp) || sign == 0) {
+    return std::nullopt;
+  }
+  return SensorDuration(sign * static_cast<std::int64_t>(time));
+}
+
 VideoDecoder::VideoDecoder(std::filesystem::path path, std::chrono::milliseconds patience)
     : path_(std::move(path)), patience_(patience) {}
 
@@ -107,7 +118,22 @@ Result<void> VideoDecoder::start() {
   }
   caps_.reset(gst_caps_ref(gst_sample_get_caps(first->get())));
   first_ = *std::move(first);
+  first_time_ = media_time_of(first_.get());
   return {};
+}
+
+Result<bool> VideoDecoder::rewind() {
+  constexpr auto kExactly = static_cast<GstSeekFlags>(GST_SEEK_FLAG_FLUSH | GST_SEEK_FLAG_ACCURATE);
+  if (failure_ || !gst_element_seek_simple(pipeline_.get(), GST_FORMAT_TIME, kExactly, 0)) {
+    return false;
+  }
+  first_.reset();
+  auto first = pull();
+  if (!first) {
+    return tl::unexpected(first.error());
+  }
+  first_ = *std::move(first);
+  return first_ != nullptr && media_time_of(first_.get()) == first_time_;
 }
 
 Result<GstSamplePtr> VideoDecoder::next() {

@@ -10,8 +10,13 @@
 
 #include "pipeline/gstreamer/gst_runtime.hpp"
 #include "pipeline/sample/result.hpp"
+#include "pipeline/sample/sensor_time.hpp"
 
 namespace gimbal {
+
+/// When a picture is shown on the clock that the file's streams share; nothing if the file gives no
+/// time.
+[[nodiscard]] std::optional<SensorDuration> media_time_of(GstSample* picture);
 
 /// Decodes the first video stream of a file to NV12, as fast as pictures are asked for and only a
 /// few ahead of that. Rotation tags are not followed: pictures come as the sensor was read.
@@ -30,6 +35,10 @@ class VideoDecoder {
   /// The next picture in order of presentation; null at the end or after `interrupt`. A damaged
   /// file ends where its last picture could be decoded, with a warning.
   [[nodiscard]] Result<GstSamplePtr> next();
+
+  /// Goes back to the first picture, in the time of a seek. False if this file cannot be sought in,
+  /// or tells other times afterwards: it is to be opened anew then.
+  [[nodiscard]] Result<bool> rewind();
 
   /// Makes `next` return, on whatever thread it waits; nothing comes afterwards.
   void interrupt();
@@ -57,6 +66,7 @@ class VideoDecoder {
   GstPipelinePtr pipeline_;  // its threads use what stands above
   GstCapsPtr caps_;
   GstSamplePtr first_;  ///< until it is taken
+  std::optional<SensorDuration> first_time_;
   std::optional<std::string> failure_;
   std::string missing_plugin_;
   std::vector<std::string> warnings_;

@@ -127,6 +127,58 @@ TEST(ReplayCamera, LeavesOutPicturesThatHaveNoStamp) {
   EXPECT_EQ(camera.stamps_without_frame(), 0);
 }
 
+struct Coding {
+  const char* elements;
+  const char* file;
+};
+
+void PrintTo(const Coding& coding, std::ostream* out) {
+  *out << coding.elements;
+}
+
+class RewindTest : public ::testing::TestWithParam<Coding> {};
+
+/// From the end and from the middle. Of a file that cannot be sought in as well: it is opened anew.
+TEST_P(RewindTest, TheVeryPicturesComeAgain) {
+  const test::TemporaryFolder folder;
+  const auto path = folder.path() / GetParam().file;
+  make_lossless_video(path, 12, GetParam().elements);
+  const auto stamps = irregular_stamps(12);
+  ReplayCamera camera(path, stamps, 10);
+  const auto started = camera.start();
+  ASSERT_TRUE(started) << started.error().message;
+  ASSERT_EQ(read_all(camera).size(), stamps.size());
+  for (const int frames_read : {12, 1, 0, 7}) {
+    const auto rewound = camera.rewind();
+    ASSERT_TRUE(rewound) << rewound.error().message;
+    for (int i = 0; i < frames_read; ++i) {
+      const auto frame = camera.read();
+      ASSERT_TRUE(frame && *frame) << i;
+      EXPECT_EQ((*frame)->stamp.time, stamps[static_cast<std::size_t>(i)].time);
+      expect_picture(**frame, i);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Codings, RewindTest,
+    ::testing::Values(Coding{"x264enc pass=quant quantizer=0 bframes=2 ! matroskamux", "video.mkv"},
+                      Coding{"x264enc pass=quant quantizer=0 bframes=2 ! mp4mux", "video.mp4"},
+                      Coding{"x264enc pass=quant quantizer=0 ! h264parse ! mpegtsmux", "video.ts"},
+                      Coding{"avenc_ffv1 ! matroskamux", "video.mkv"},
+                      Coding{"identity ! avimux", "video.avi"}, Coding{"y4menc", "video.y4m"}));
+
+TEST(ReplayCamera, NothingComesOfARewindAfterStop) {
+  const test::TemporaryFolder folder;
+  const auto path = folder.path() / "video.mkv";
+  make_lossless_video(path, 8, "avenc_ffv1 ! matroskamux");
+  ReplayCamera camera(path, irregular_stamps(8), 0);
+  ASSERT_TRUE(camera.start());
+  camera.stop();
+  ASSERT_TRUE(camera.rewind());
+  EXPECT_EQ(*camera.read(), std::nullopt);
+}
+
 class ReplayCameraTest : public ::testing::Test {
  protected:
   test::TemporaryFolder folder_;
