@@ -1,4 +1,4 @@
-gimbald_test(imu_contract_test SOURCES imu_contract_test.cpp
+gimbald_test(imu_contract_test THREADS SOURCES imu_contract_test.cpp
   USES gimbald_replay gimbald_i2c_mpu6500 gimbald_i2c_lsm6dso gimbald_i2c_icm42688)
 foreach(driver iio gpio)
   if(TARGET gimbald_${driver})
