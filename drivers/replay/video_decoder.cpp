@@ -22,7 +22,7 @@ constexpr auto kPatienceAfterFailure = std::chrono::seconds(2);
 constexpr const char* kPipeline =
     "filesrc name=file ! decodebin name=decoder "
     "videoconvert name=convert ! appsink name=pictures caps=video/x-raw,format=NV12 "
-    "sync=false max-buffers=4 enable-last-sample=false";
+    "sync=false max-buffers=2 enable-last-sample=false";
 
 std::string_view media_type(const GstCaps* caps) {
   return gst_structure_get_name(gst_caps_get_structure(caps, 0));
