@@ -4,6 +4,5 @@
 set -euo pipefail
 
 cmake --build /build --parallel "$(nproc)" --target unit_programs
-# Nor can it start the scanner of GStreamer's plugins, which the test's own process can do without.
-export GST_REGISTRY_FORK=no
+export GST_PLUGIN_SCANNER=/source/systemd/debian/cross/plugin_scanner.sh
 ctest --test-dir /build --label-regex '^unit' --parallel "$(nproc)" --output-on-failure
