@@ -16,6 +16,7 @@
 
 #include "drivers/clock/monotonic_now.hpp"
 #include "drivers/gpio/button.hpp"
+#include "drivers/gpio/flasher.hpp"
 #include "drivers/gpio/gpio_edges.hpp"
 #include "drivers/gpio/gpio_lines.hpp"
 
@@ -119,6 +120,21 @@ TEST_F(GpioContract, AnOutputThatIsActiveLowIsHighUntilItIsSet) {
   ASSERT_TRUE(output);
   EXPECT_EQ(chip_->volts(kOutput), "1");
   ASSERT_TRUE(output->set(GpioLevel::active));
+  EXPECT_EQ(chip_->volts(kOutput), "0");
+}
+
+TEST_F(GpioContract, ALightFlashesAndIsOffAtLast) {
+  auto flasher = Flasher::start(open_output(GpioPolarity::active_high), 20);
+  ASSERT_TRUE(flasher);
+  const SensorTime end = plenty();
+  for (const char* const level : {"1", "0", "1", "0"}) {
+    while (chip_->volts(kOutput) != level && monotonic_now() < end) {
+      std::this_thread::sleep_for(milliseconds(1));
+    }
+    ASSERT_LT(monotonic_now(), end) << "never " << level;
+  }
+  EXPECT_FALSE((*flasher)->record().failure);
+  flasher->reset();
   EXPECT_EQ(chip_->volts(kOutput), "0");
 }
 

@@ -1,0 +1,85 @@
+#include "drivers/gpio/flasher.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <utility>
+
+#include "drivers/clock/monotonic_now.hpp"
+
+namespace gimbal {
+namespace {
+
+GpioLevel other(GpioLevel level) {
+  return level == GpioLevel::active ? GpioLevel::inactive : GpioLevel::active;
+}
+
+/// Whether the time came before a stop.
+bool sleep_until(SensorTime time, const std::stop_token& stop) {
+  std::mutex mutex;
+  std::unique_lock lock(mutex);
+  std::condition_variable_any woken;
+  const std::chrono::steady_clock::time_point when(time.time_since_epoch());
+  woken.wait_until(lock, stop, when, [] { return false; });
+  return !stop.stop_requested();
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Flasher>> Flasher::start(std::unique_ptr<GpioOutput> light, double hz) {
+  if (!(hz > 0 && hz <= kFastest_hz)) {
+    return bad_input(
+        fmt::format("a light cannot flash at {} Hz: above 0 and at most {}", hz, kFastest_hz));
+  }
+  return std::unique_ptr<Flasher>(new Flasher(std::move(light), duration_from_seconds(0.5 / hz)));
+}
+
+Flasher::Flasher(std::unique_ptr<GpioOutput> light, SensorDuration half)
+    : light_(std::move(light)),
+      half_(half),
+      thread_([this](const std::stop_token& stop) { run(stop); }) {}
+
+Flasher::~Flasher() {
+  thread_.request_stop();
+  thread_.join();
+  static_cast<void>(light_->set(GpioLevel::inactive));  // nobody can be told if it fails
+}
+
+Flasher::Record Flasher::record() const {
+  const std::lock_guard lock(mutex_);
+  return record_;
+}
+
+/// Every change is due at a multiple of half a flash from the start, so that lateness of one is not
+/// handed on.
+void Flasher::run(const std::stop_token& stop) {
+  auto level = GpioLevel::active;
+  for (SensorTime due = monotonic_now(); sleep_until(due, stop); due += half_) {
+    if (!change(level, due)) return;
+    level = other(level);
+  }
+}
+
+/// False when the line has failed. A change that would come after the next is due is left out: the
+/// light then stays as it is, in step with those to come.
+bool Flasher::change(GpioLevel level, SensorTime due) {
+  const SensorDuration late = monotonic_now() - due;
+  const bool is_skipped = late > half_;
+  const auto set = is_skipped ? Result<void>() : light_->set(level);
+  const std::lock_guard lock(mutex_);
+  record_.latest = std::max(record_.latest, late);
+  if (is_skipped) {
+    ++record_.skipped;
+    return true;
+  }
+  if (!set) {
+    record_.failure = set.error();
+    return false;
+  }
+  if (level == GpioLevel::active) ++record_.flashes;
+  return true;
+}
+
+}  // namespace gimbal
