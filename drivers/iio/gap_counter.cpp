@@ -8,7 +8,7 @@ namespace gimbal {
 namespace {
 
 constexpr std::size_t kStepsToLearn = 8;
-constexpr std::size_t kStepsHeld = 31;
+constexpr std::size_t kStepsHeld = 255;  // of which a burst is the smaller part
 constexpr double kGapFrom = 1.75;      // in usual steps
 constexpr double kCatchUpBelow = 0.5;  // in usual steps
 constexpr std::size_t kStepsToSettle = 8;
@@ -39,7 +39,10 @@ void GapCounter::settle(double steps) {
     steps_since_gap_ = 0;
     return;
   }
-  if (steps < kCatchUpBelow && suspected_ > 0) --suspected_;
+  if (steps < kCatchUpBelow && suspected_ > 0) {
+    --suspected_;
+    return;
+  }
   if (++steps_since_gap_ < kStepsToSettle) return;
   missing_ += suspected_;
   suspected_ = 0;

@@ -96,6 +96,17 @@ TEST(GapCounter, ALateSampleIsNotLost) {
   EXPECT_EQ(counter.missing(), 0U);
 }
 
+/// As from a hub that was kept waiting: what it took meanwhile comes, and is stamped, all at once.
+TEST(GapCounter, ABurstMakesUpForThePauseBeforeIt) {
+  GapCounter counter;
+  double time_s = 100;
+  for (int i = 0; i < 300; ++i) counter.take(time_from_seconds(time_s += 0.005));
+  time_s += 0.2;
+  for (int i = 0; i < 40; ++i) counter.take(time_from_seconds(time_s += 0.00002));
+  for (int i = 0; i < 300; ++i) counter.take(time_from_seconds(time_s += 0.005));
+  EXPECT_EQ(counter.missing(), 0U);
+}
+
 // --- merging -----------------------------------------------------------------------------------
 
 constexpr SensorTime kStart{std::chrono::hours(1)};
