@@ -50,7 +50,7 @@ Result<KnownLibcameraFormat> choose_format(const libcamera::StreamFormats& offer
     if (is_wanted && std::ranges::find(formats, known.format) != formats.end()) return known;
   }
   return bad_input(fmt::format("does not offer pixel format {}; it offers {}",
-                               wish == "auto" ? "NV12, YU12, RG24 or BG24" : wish,
+                               wish == "auto" ? "NV12, YUV420, RGB888 or BGR888" : wish,
                                list_of(offered)));
 }
 

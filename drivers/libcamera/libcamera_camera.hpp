@@ -18,8 +18,8 @@ struct LibcameraSettings {
   std::string camera;
   std::optional<ImageSize> size;  ///< what libcamera proposes for video, if none
   std::optional<double> fps;      ///< what the camera does by itself, if none
-  /// "NV12", "YU12" (YUV420), "RG24" (RGB888) or "BG24" (BGR888); "auto" takes the first of these
-  /// that there is.
+  /// "NV12", "YUV420", "RGB888" or "BGR888", as libcamera calls them; "auto" takes the first of
+  /// these that there is.
   std::string pixel_format = "auto";
   /// By name, as libcamera spells it, such as "ExposureTime"; several numbers where the control has
   /// several, such as "ColourGains".

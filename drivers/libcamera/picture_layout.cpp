@@ -64,9 +64,9 @@ PlaneExtent extent(std::ptrdiff_t stride_bytes, int row_bytes, int rows) {
 const std::vector<KnownLibcameraFormat>& known_libcamera_formats() {
   static const std::vector<KnownLibcameraFormat> formats = {
       {libcamera::formats::NV12, LibcameraLayout::nv12, "NV12"},
-      {libcamera::formats::YUV420, LibcameraLayout::yuv420, "YU12"},
-      {libcamera::formats::RGB888, LibcameraLayout::bgr_bytes, "RG24"},
-      {libcamera::formats::BGR888, LibcameraLayout::rgb_bytes, "BG24"},
+      {libcamera::formats::YUV420, LibcameraLayout::yuv420, "YUV420"},
+      {libcamera::formats::RGB888, LibcameraLayout::bgr_bytes, "RGB888"},
+      {libcamera::formats::BGR888, LibcameraLayout::rgb_bytes, "BGR888"},
   };
   return formats;
 }
