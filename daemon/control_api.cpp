@@ -75,7 +75,7 @@ ControlAnswer ControlApi::set(const std::string& body) {
       as_toml(body).and_then([this](const std::string& toml) { return daemon_.set(toml); });
   if (!done) return refusal(done.error());
   const Json settings = live_settings_as_json(daemon_.settings());
-  log_line(LogLevel::info, "set: " + settings.dump());
+  log_line(LogLevel::info, "set: " + settings.dump(), {"control", {}});
   return as_answer(settings);
 }
 

@@ -73,12 +73,13 @@ Result<void> make_way(const std::filesystem::path& socket) {
 /// For the owner and the group alone.
 void restrict(const std::filesystem::path& socket) {
   constexpr mode_t kOwnerAndGroup = 0660;
-  if (const group* const ours = ::getgrnam(kGroup)) {
-    if (::chown(socket.c_str(), static_cast<uid_t>(-1), ours->gr_gid) != 0) {
-      log_line(LogLevel::warning,
-               fmt::format("control socket {}: cannot be given to the group {}: {}",
-                           socket.string(), kGroup, std::strerror(errno)));
-    }
+  const group* const ours = ::getgrnam(kGroup);
+  if (ours != nullptr && ours->gr_gid != ::getegid() &&
+      ::chown(socket.c_str(), static_cast<uid_t>(-1), ours->gr_gid) != 0) {
+    log_line(LogLevel::warning,
+             fmt::format("control socket {}: cannot be given to the group {}: {}", socket.string(),
+                         kGroup, std::strerror(errno)),
+             {"control", {}});
   }
   ::chmod(socket.c_str(), kOwnerAndGroup);
 }
@@ -192,7 +193,7 @@ Result<std::unique_ptr<ControlServer>> ControlServer::start(const ControlSetting
     if (bound) {
       server->on_socket_->listen();
     } else {
-      log_line(LogLevel::warning, bound.error().message + "; going on without");
+      log_line(LogLevel::warning, bound.error().message + "; going on without", {"control", {}});
       server->on_socket_.reset();
     }
   }

@@ -120,6 +120,7 @@ void LivePipeline::stop() {
   for (std::thread& thread : threads_) {
     if (thread.joinable()) thread.join();
   }
+  for (const auto& output : outputs_) output->end();
   for (const auto& output : outputs_) output->finish();
 }
 
@@ -308,7 +309,7 @@ void LivePipeline::draw(std::promise<Result<void>>& can_draw) {
 Result<std::unique_ptr<Warper>> LivePipeline::open_warper() {
   auto chosen = choose_warper(settings_.warper, calibration_.size);
   if (!chosen) return tl::unexpected(chosen.error());
-  if (!chosen->warning.empty()) log_line(LogLevel::warning, chosen->warning);
+  if (!chosen->warning.empty()) log_line(LogLevel::warning, chosen->warning, {"renderer", {}});
   const std::lock_guard lock(mutex_);
   renderer_ = chosen->warper->name() + ", " + chosen->warper->renderer();
   return std::move(chosen->warper);
@@ -318,7 +319,8 @@ Result<std::unique_ptr<Warper>> LivePipeline::open_warper() {
 Result<VideoFrame> LivePipeline::draw_one(std::unique_ptr<Warper>& warper, const Drawing& drawing) {
   auto drawn = warper->warp(drawing.frame, drawing.mesh);
   if (drawn) return drawn;
-  log_line(LogLevel::error, drawn.error().message + "; opening the renderer again");
+  log_line(LogLevel::error, drawn.error().message + "; opening the renderer again",
+           {"renderer", {}});
   warper.reset();
   auto again = open_warper();
   if (!again) return tl::unexpected(again.error());

@@ -56,10 +56,12 @@ Result<ReloadReport> reload(Supervisor& daemon) {
     const auto names = [](const std::vector<std::string>& keys) {
       return keys.empty() ? std::string("nothing") : fmt::format("{}", fmt::join(keys, ", "));
     };
-    log_line(LogLevel::info, fmt::format("reloaded: {} changed; from the next start on: {}",
-                                         names(report->applied), names(report->at_next_start)));
+    log_line(LogLevel::info,
+             fmt::format("reloaded: {} changed; from the next start on: {}", names(report->applied),
+                         names(report->at_next_start)),
+             {"configuration", {}});
   } else {
-    log_line(LogLevel::error, "not reloaded: " + report.error().message);
+    log_line(LogLevel::error, "not reloaded: " + report.error().message, {"configuration", {}});
   }
   notify_service("READY=1");
   return report;
@@ -101,8 +103,10 @@ void log_summary(const LivePipeline& pipeline) {
                        counts.dropped_before_drawing, counts.samples, in_ms(age.median),
                        in_ms(age.p99), pipeline.renderer()));
   for (const auto& output : pipeline.outputs()) {
-    log_line(LogLevel::info, fmt::format("output {}: {} frames written, {} dropped", output->name(),
-                                         output->written(), output->dropped()));
+    log_line(LogLevel::info,
+             fmt::format("output {}: {} frames written, {} dropped", output->name(),
+                         output->written(), output->dropped()),
+             {"output", output->name()});
   }
 }
 

@@ -135,7 +135,7 @@ void add_outputs(MetricsText& text, const LivePipeline& pipeline) {
     }
   };
   each("output_up", "gauge", "Whether the output takes frames.",
-       [](const Output& o) { return o.works() ? 1 : 0; });
+       [](const Output& o) { return o.state() == OutputState::working ? 1 : 0; });
   each("output_written_total", "counter", "Frames that the output took.",
        [](const Output& o) { return o.written(); });
   each("output_dropped_total", "counter", "Frames that the output was too slow for, or lost.",

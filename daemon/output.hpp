@@ -1,19 +1,21 @@
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <future>
 #include <memory>
 #include <string>
 #include <thread>
 
 #include "daemon/histogram.hpp"
 #include "daemon/output_target.hpp"
-#include "pipeline/queue/bounded_queue.hpp"
 #include "pipeline/sample/video_frame.hpp"
-#include "pipeline/sink/frame_sink.hpp"
 
 namespace gimbal {
+
+/// Starting: not opened yet, which takes a while where GStreamer must look for its plugins first.
+/// Failed: until it is open again.
+enum class OutputState : std::uint8_t { starting, working, failed };
 
 /// One consumer of the steady pictures, on a thread of its own: while it is slow, or being opened
 /// again after a failure, the newest pictures win and the others are counted, and nobody else
@@ -26,47 +28,35 @@ class Output {
   Output& operator=(const Output&) = delete;
   ~Output();
 
-  void offer(const VideoFrame& frame) { frames_.push(frame); }
+  void offer(const VideoFrame& frame);
 
-  /// Writes what is held and ends the stream properly.
+  /// Nothing more is offered: what is held is written, and the stream is ended properly.
+  void end();
+
+  /// Waits until that is done. An output that does not get on, such as a pipe that nobody reads, is
+  /// named and left to itself.
   void finish();
 
-  [[nodiscard]] const std::string& name() const { return target_.name; }
-  [[nodiscard]] std::uint64_t written() const { return written_; }
-  [[nodiscard]] std::uint64_t dropped() const { return frames_.dropped() + lost_; }
+  [[nodiscard]] const std::string& name() const;
+  [[nodiscard]] std::uint64_t written() const;
+  [[nodiscard]] std::uint64_t dropped() const;
 
   /// How long a frame took to be written, and how old it was then.
-  [[nodiscard]] Histogram::Counts writing_time() const { return writing_time_.counts(); }
-  [[nodiscard]] Histogram::Counts written_age() const { return written_age_.counts(); }
-  [[nodiscard]] std::size_t queued() const { return frames_.size(); }
+  [[nodiscard]] Histogram::Counts writing_time() const;
+  [[nodiscard]] Histogram::Counts written_age() const;
+  [[nodiscard]] std::size_t queued() const;
 
-  /// Whether it takes frames; false from a failure until it is open again.
-  [[nodiscard]] bool works() const { return works_; }
+  [[nodiscard]] OutputState state() const;
 
   /// Whether it failed and cannot be opened again: a file, or standard output that nobody reads.
-  [[nodiscard]] bool is_gone() const { return is_gone_; }
+  [[nodiscard]] bool is_gone() const;
 
  private:
-  void run();
-  [[nodiscard]] bool write(const VideoFrame& frame);
-  [[nodiscard]] Result<void> open_for(const VideoFrame& frame);
-  void fail(const Error& error);
-  void close();
+  class Writer;
 
-  const OutputTarget target_;
-  const double fps_;
-  const SensorDuration delay_;
-  BoundedQueue<VideoFrame, WhenFull::drop_oldest> frames_;
-  std::unique_ptr<FrameSink> sink_;
-  std::chrono::steady_clock::time_point next_try_;
-  std::chrono::seconds backoff_;
-  std::atomic<std::uint64_t> written_ = 0;
-  std::atomic<std::uint64_t> lost_ = 0;  ///< while there was no sink
-  std::atomic<bool> works_ = true;
-  std::atomic<bool> is_gone_ = false;
-  Histogram writing_time_;
-  Histogram written_age_;
+  std::shared_ptr<Writer> writer_;  ///< shared with the thread, which may be left behind
   std::thread thread_;
+  std::future<void> ended_;
 };
 
 }  // namespace gimbal

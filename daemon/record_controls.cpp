@@ -78,7 +78,8 @@ bool RecordControls::wait_for_press() {
   }
   const auto press = button_->wait_for_press(monotonic_now() + kLook);
   if (press) return *press && **press > settled_ && !stops_;
-  log_line(LogLevel::error, "record button: " + press.error().message + "; it is not watched");
+  log_line(LogLevel::error, "record button: " + press.error().message + "; it is not watched",
+           {"gpio", "record_button"});
   is_watched_ = false;
   return false;
 }
@@ -92,11 +93,14 @@ void RecordControls::toggle() {
 void RecordControls::begin_or_end() {
   if (recorder_.status().is_recording) {
     const auto ended = recorder_.stop();
-    if (!ended) log_line(LogLevel::error, "record button: " + ended.error().message);
+    if (!ended)
+      log_line(LogLevel::error, "record button: " + ended.error().message,
+               {"gpio", "record_button"});
     return;
   }
   const auto begun = recorder_.start();
-  if (!begun) log_line(LogLevel::error, "record button: " + begun.error().message);
+  if (!begun)
+    log_line(LogLevel::error, "record button: " + begun.error().message, {"gpio", "record_button"});
 }
 
 void RecordControls::show(const RecordingStatus& recording) {
@@ -107,7 +111,7 @@ void RecordControls::show(const RecordingStatus& recording) {
   if (shown_ == level) return;
   shown_ = level;
   if (const auto set = light_->set(level); !set) {
-    log_line(LogLevel::error, "status light: " + set.error().message);
+    log_line(LogLevel::error, "status light: " + set.error().message, {"gpio", "status_led"});
   }
 }
 

@@ -141,7 +141,8 @@ Result<void> Recording::open_video(const VideoFrame& frame) {
   video_ = std::move(*sink);
   if (auto still = write_still(frame, about_.folder / "thumbnail.jpg", kThumbnailWidth_px);
       !still) {
-    log_line(LogLevel::warning, "recording: no thumbnail: " + still.error().message);
+    log_line(LogLevel::warning, "recording: no thumbnail: " + still.error().message,
+             {"recording", {}});
   }
   return {};
 }
@@ -190,8 +191,10 @@ void Recording::fail(const Error& error) {
     if (failure_) return;
     failure_ = error;
   }
-  log_line(LogLevel::error, fmt::format("recording {}: {}; the stream goes on",
-                                        about_.folder.string(), error.message));
+  log_line(
+      LogLevel::error,
+      fmt::format("recording {}: {}; the stream goes on", about_.folder.string(), error.message),
+      {"recording", about_.folder.native()});
   frames_.close();
   samples_.close();
 }

@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 #include <variant>
+#include <vector>
 
 #include "daemon/journal.hpp"
 #include "pipeline/sample/result.hpp"
@@ -21,7 +22,8 @@ namespace gimbal {
 struct SourceStatus {
   std::string obstacle;  ///< why nothing comes; empty if all is well
   std::uint64_t restarts = 0;
-  std::uint64_t lost = 0;  ///< taken by the device, never seen here
+  std::uint64_t lost = 0;                 ///< taken by the device, never seen here
+  std::vector<std::string> remarks = {};  ///< what the source says of how it runs
 };
 
 /// Nothing comes at present; the source is being brought back.
@@ -50,6 +52,7 @@ class RevivedSource {
     if (!item) return lose(item.error());
     if (!*item) return SourceEnd{};
     note_item();
+    note_remarks();
     return **std::move(item);
   }
 
@@ -70,6 +73,8 @@ class RevivedSource {
  private:
   static constexpr std::chrono::milliseconds kFirstPause{250};
   static constexpr std::chrono::milliseconds kLongestPause{8000};
+  static constexpr std::chrono::seconds kRemarksLook{1};
+  static constexpr std::chrono::seconds kRemarksTold{30};
 
   Reading lose(const Error& error) {
     const std::lock_guard lock(mutex_);
@@ -78,7 +83,8 @@ class RevivedSource {
     pause_ = kFirstPause;
     status_.obstacle = error.message;
     lost_before_ += source_->lost();
-    log_line(LogLevel::error, fmt::format("{}: {}; trying to bring it back", name_, error.message));
+    log_line(LogLevel::error, fmt::format("{}: {}; trying to bring it back", name_, error.message),
+             {name_, {}});
     return SourceLost{};
   }
 
@@ -111,7 +117,28 @@ class RevivedSource {
     status_.lost = lost_before_ + source_->lost();
     if (status_.obstacle.empty()) return;
     status_.obstacle.clear();
-    log_line(LogLevel::info, name_ + ": it is back");
+    log_line(LogLevel::info, name_ + ": it is back", {name_, {}});
+  }
+
+  /// Asked now and then, since a remark's numbers may grow with every item; told more rarely still.
+  void note_remarks() {
+    if constexpr (requires { source_->remarks(); }) {
+      const auto now = std::chrono::steady_clock::now();
+      if (now < next_look_) return;
+      next_look_ = now + kRemarksLook;
+      std::vector<std::string> remarks = source_->remarks();
+      if (now >= next_telling_ && remarks != told_) {
+        for (const std::string& remark : remarks) {
+          if (std::ranges::find(told_, remark) == told_.end()) {
+            log_line(LogLevel::warning, remark, {name_, {}});
+          }
+        }
+        told_ = remarks;
+        next_telling_ = now + kRemarksTold;
+      }
+      const std::lock_guard lock(mutex_);
+      status_.remarks = std::move(remarks);
+    }
   }
 
   std::string name_;
@@ -119,6 +146,9 @@ class RevivedSource {
   bool is_lost_ = false;           // read and written by the reading thread alone
   std::uint64_t lost_before_ = 0;  // of earlier starts
   std::chrono::milliseconds pause_ = kFirstPause;
+  std::vector<std::string> told_;  // remarks
+  std::chrono::steady_clock::time_point next_look_;
+  std::chrono::steady_clock::time_point next_telling_;
 
   mutable std::mutex mutex_;
   std::condition_variable stopped_;

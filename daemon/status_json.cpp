@@ -58,13 +58,25 @@ Json as_json(const LiveCounts& counts) {
           {"no_signal", counts.no_signal_pictures}};
 }
 
+const char* word_for(OutputState state) {
+  switch (state) {
+    case OutputState::starting:
+      return "starting";
+    case OutputState::working:
+      return "working";
+    case OutputState::failed:
+      return "failed";
+  }
+  return "";
+}
+
 Json outputs_as_json(const LivePipeline& pipeline) {
   Json outputs = Json::array();
   for (const auto& output : pipeline.outputs()) {
     outputs.push_back({{"name", output->name()},
                        {"written", output->written()},
                        {"dropped", output->dropped()},
-                       {"works", output->works()}});
+                       {"state", word_for(output->state())}});
   }
   return outputs;
 }
@@ -86,7 +98,8 @@ Json degraded(const LiveStatus& status, const Supervisor& daemon) {
     states.emplace_back("imu-too-slow");
   }
   if (!status.suspicion.empty()) states.emplace_back("implausible-samples");
-  if (std::ranges::any_of(pipeline.outputs(), [](const auto& o) { return !o->works(); })) {
+  if (std::ranges::any_of(pipeline.outputs(),
+                          [](const auto& o) { return o->state() == OutputState::failed; })) {
     states.emplace_back("output-failed");
   }
   if (!daemon.recorder().status().failure.empty()) states.emplace_back("recording-failed");
@@ -133,6 +146,7 @@ Json status_as_json(const Supervisor& daemon) {
   imu["samples"] = status.counts.samples;
   imu["rate_hz"] = status.gyro_rate_hz > 0 ? Json(status.gyro_rate_hz) : Json(nullptr);
   imu["samples_off_clock"] = status.counts.samples_off_clock;
+  imu["remarks"] = status.imu.remarks;
   return {
       {"version", GIMBALD_VERSION},
       {"degraded", degraded(status, daemon)},

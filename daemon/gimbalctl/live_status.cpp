@@ -108,7 +108,7 @@ std::string output_for_people(const Json& output) {
       fmt::format("{}: {} frames", text_at(output, "/name"), count_at(output, "/written"));
   if (const auto dropped = count_at(output, "/dropped"))
     text += fmt::format(", {} dropped", dropped);
-  if (!at<bool>(output, "/works", true)) text += "; has failed";
+  if (const auto state = text_at(output, "/state"); state != "working") text += "; " + state;
   return text;
 }
 
@@ -138,6 +138,9 @@ std::string status_for_people(const Json& status) {
                                                 number_at(imu, "/rate_hz"))));
   if (const auto off = count_at(imu, "/samples_off_clock")) {
     text += line("", fmt::format("{} samples left out: stamps far from CLOCK_MONOTONIC", off));
+  }
+  for (const Json& remark : at<Json>(imu, "/remarks", Json::array())) {
+    text += line("", remark.get<std::string>());
   }
   if (const auto suspicion = text_at(status, "/suspicion"); !suspicion.empty()) {
     text += line("", suspicion);

@@ -7,8 +7,10 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <string>
 #include <thread>
 #include <utility>
+#include <vector>
 
 namespace gimbal {
 namespace {
@@ -19,6 +21,7 @@ class ScriptedSource {
   struct Script {
     std::deque<Result<void>> starts;
     std::deque<Result<std::optional<int>>> reads;
+    std::vector<std::string> remarks;
     int stops = 0;
   };
 
@@ -34,6 +37,7 @@ class ScriptedSource {
   }
   void stop() { ++script_.stops; }
   [[nodiscard]] std::uint64_t lost() const { return 3; }
+  [[nodiscard]] std::vector<std::string> remarks() const { return script_.remarks; }
 
  private:
   template <typename T>
@@ -73,6 +77,15 @@ TEST_F(RevivedSourceTest, SaysWhatIsWrongAndStartsAgainUntilItWorks) {
   EXPECT_EQ(source_.status().restarts, 1U);
   EXPECT_EQ(source_.status().lost, 6U) << "of both starts";
   EXPECT_EQ(script_.stops, 2) << "a source is stopped before each start";
+}
+
+TEST_F(RevivedSourceTest, TellsWhatTheSourceRemarks) {
+  script_.reads = {std::optional(1)};
+  script_.remarks = {"imu: its clock jumped 1 time(s)"};
+  ::testing::internal::CaptureStderr();
+  static_cast<void>(source_.read());
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "gimbald: imu: its clock jumped 1 time(s)\n");
+  EXPECT_EQ(source_.status().remarks, script_.remarks);
 }
 
 TEST_F(RevivedSourceTest, StopEndsTheWaitForItsReturn) {
