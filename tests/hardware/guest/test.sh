@@ -4,7 +4,7 @@ set -euo pipefail
 
 programs=/usr/libexec/gimbald-tests
 session=$programs/session  # 8 s of 320x180 at 25 frames/s
-motion=/usr/share/gimbald/motions/iphone-handheld
+motion=$programs/motion    # 30 s of a hand's motion at 100 Hz, without noise; truth.csv has its orientation
 scratch=$(mktemp -d)
 unplugging=()
 
@@ -46,10 +46,10 @@ load() {
 # Emulated, a second of work may take several: what waits takes plenty, what is there does not wait.
 # wait_until WHAT COMMAND..
 wait_until() {
-  local what=$1 end=$((SECONDS + 60))
+  local what=$1 end=$((SECONDS + 180))
   shift
   until "$@" >/dev/null 2>&1; do
-    ((SECONDS < end)) || fail "waited a minute in vain until $what"
+    ((SECONDS < end)) || fail "waited three minutes in vain until $what"
     sleep 0.1
   done
 }

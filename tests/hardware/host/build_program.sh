@@ -22,7 +22,9 @@ compile() {
     cmake --install /build --strip --component hardware_tests
     mv /build/*.deb /program/
     /build/daemon/gimbalctl/gimbalctl simulate --quiet \
-      -o /program/usr/libexec/gimbald-tests/session --size 320x180 --fps 25 --duration 8'
+      -o /program/usr/libexec/gimbald-tests/session --size 320x180 --fps 25 --duration 8
+    /build/daemon/gimbalctl/gimbalctl simulate --quiet -o /program/usr/libexec/gimbald-tests/motion \
+      --size 64x36 --fps 2 --duration 30 --gyro-rate 100 --gyro-bias 0,0,0 --gyro-noise 0 --accel-noise 0'
 }
 
 copy_source "$repository" "$toolchain"

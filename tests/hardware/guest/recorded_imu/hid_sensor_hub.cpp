@@ -28,6 +28,7 @@ constexpr int kAccelerometer3d = 0x200073;
 constexpr int kGyrometer3d = 0x200076;
 constexpr int kAccelerationX = 0x200453;  // Y and Z follow
 constexpr int kAngularVelocityX = 0x200457;
+constexpr int kTimestamp = 0x200529;
 constexpr int kReportInterval = 0x20030e;
 constexpr int kReportingState = 0x200316;
 constexpr int kPowerState = 0x200319;
@@ -38,6 +39,7 @@ constexpr int kStates = 6;
 // Units, likewise.
 constexpr int kMetresPerSecondSquared = 0x11e0;
 constexpr int kRadiansPerSecond = 0x12f0;
+constexpr int kMilliseconds = 0x19;
 
 constexpr int kPhysical = 0;
 constexpr int kApplication = 1;
@@ -48,6 +50,7 @@ constexpr int kVariable = 2;
 // Powers of ten, so that the IIO `scale` is exact in the nine decimals that it is printed with.
 constexpr int kAccelExponent = -5;
 constexpr int kGyroExponent = -6;
+constexpr int kStampExponent = -3;
 
 void add_states(HidDescriptor& descriptor, int property, int first_state) {
   descriptor.add(Item::usage, property);
@@ -75,10 +78,20 @@ void add_axes(HidDescriptor& descriptor, int first_axis, int unit, int exponent)
   descriptor.add(Item::unit_exponent, exponent & 0xf);  // four bits, two's complement
   descriptor.add(Item::logical_minimum, INT32_MIN);
   descriptor.add(Item::logical_maximum, INT32_MAX);
+  descriptor.add(Item::report_size, 32);
   for (int axis = 0; axis < 3; ++axis) {
     descriptor.add(Item::usage, first_axis + axis);
     descriptor.add(Item::input, kVariable);
   }
+}
+
+void add_stamp(HidDescriptor& descriptor) {
+  descriptor.add(Item::unit, kMilliseconds);
+  descriptor.add(Item::unit_exponent, kStampExponent & 0xf);
+  descriptor.add(Item::logical_minimum, 0);
+  descriptor.add(Item::report_size, 64);
+  descriptor.add(Item::usage, kTimestamp);
+  descriptor.add(Item::input, kVariable);
   descriptor.add(Item::unit, 0);
   descriptor.add(Item::unit_exponent, 0);
 }
@@ -92,6 +105,7 @@ void add_sensor(HidDescriptor& descriptor, int report, int kind, int first_axis,
   add_states(descriptor, kPowerState, kPowerStates);
   add_interval(descriptor);
   add_axes(descriptor, first_axis, unit, exponent);
+  add_stamp(descriptor);
   descriptor.end_collection();
 }
 
@@ -108,11 +122,12 @@ HidDescriptor describe_hub(int accel_report, int gyro_report) {
   return descriptor;
 }
 
-std::array<std::int32_t, 3> quantized(const Eigen::Vector3d& value, int exponent) {
-  const Eigen::Vector3d steps = value * std::pow(10.0, -exponent);
-  return {static_cast<std::int32_t>(std::lround(steps.x())),
-          static_cast<std::int32_t>(std::lround(steps.y())),
-          static_cast<std::int32_t>(std::lround(steps.z()))};
+std::int32_t quantized(double value, int exponent) {
+  return static_cast<std::int32_t>(std::lround(value * std::pow(10.0, -exponent)));
+}
+
+std::int64_t in_microseconds(SensorTime stamp) {
+  return std::chrono::floor<std::chrono::microseconds>(stamp.time_since_epoch()).count();
 }
 
 Result<void> write_event(int fd, const uhid_event& event) {
@@ -162,26 +177,32 @@ HidSensorHub::HidSensorHub(int fd, SensorDuration interval) : fd_(fd) {
 }
 
 HidSensorHub::HidSensorHub(HidSensorHub&& other) noexcept
-    : fd_(std::exchange(other.fd_, -1)), features_(other.features_), axes_(other.axes_) {}
+    : fd_(std::exchange(other.fd_, -1)), features_(other.features_), inputs_(other.inputs_) {}
 
 HidSensorHub::~HidSensorHub() {
   if (fd_ >= 0) ::close(fd_);
 }
 
-Result<void> HidSensorHub::send_gyro(const Eigen::Vector3d& gyro_rad_s) {
-  return send(Sensor::gyro, quantized(gyro_rad_s, kGyroExponent));
+Result<void> HidSensorHub::send_gyro(const Eigen::Vector3d& gyro_rad_s, Stamp stamp) {
+  return send(Sensor::gyro, gyro_rad_s, kGyroExponent, stamp);
 }
 
-Result<void> HidSensorHub::send_accel(const Eigen::Vector3d& accel_m_s2) {
-  return send(Sensor::accel, quantized(accel_m_s2, kAccelExponent));
+Result<void> HidSensorHub::send_accel(const Eigen::Vector3d& accel_m_s2, Stamp stamp) {
+  return send(Sensor::accel, accel_m_s2, kAccelExponent, stamp);
 }
 
-Result<void> HidSensorHub::send(Sensor sensor, const Axes& axes) {
+Result<void> HidSensorHub::send(Sensor sensor, const Eigen::Vector3d& value, int exponent,
+                                Stamp stamp) {
   const auto report = static_cast<std::uint8_t>(sensor);
-  axes_.at(report) = axes;
+  const std::array axes = {quantized(value.x(), exponent), quantized(value.y(), exponent),
+                           quantized(value.z(), exponent)};
+  const std::int64_t stamp_us = stamp ? in_microseconds(*stamp) : 0;
+  Input& input = inputs_.at(report);
+  std::memcpy(input.data(), axes.data(), sizeof axes);
+  std::memcpy(input.data() + sizeof axes, &stamp_us, sizeof stamp_us);
   uhid_event event{};
   event.type = UHID_INPUT2;
-  event.u.input2.size = put_report(event.u.input2.data, report, axes);
+  event.u.input2.size = put_report(event.u.input2.data, report, input);
   return write_event(fd_, event);
 }
 
@@ -210,7 +231,7 @@ Result<void> HidSensorHub::answer_one() {
     reply.id = asked.id;
     reply.size = asked.rtype == UHID_FEATURE_REPORT
                      ? put_report(reply.data, report, features_.at(report))
-                     : put_report(reply.data, report, axes_.at(report));
+                     : put_report(reply.data, report, inputs_.at(report));
     return write_event(fd_, answer);
   }
   if (question.type == UHID_SET_REPORT) {

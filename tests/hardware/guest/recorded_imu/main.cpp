@@ -1,10 +1,17 @@
 // Plays a session's gyro and accelerometer through the kernel, each sample when its stamp says,
-// over and over until a signal ends it. Usage: recorded_imu SESSION
+// over and over until a signal ends it. Before each pass the IMU lies still for a while, as it does
+// when the recording begins; when that is over, the time is printed, in ns on CLOCK_MONOTONIC.
+// Usage: recorded_imu SESSION REST_S
+// The kernel stamps the samples. SIGUSR1 makes the IMU's own clock say so from then on, five
+// seconds ahead; a second one ends that.
 
 #include <fmt/core.h>
 
 #include <algorithm>
+#include <chrono>
+#include <csignal>
 #include <cstdio>
+#include <cstdlib>
 #include <variant>
 #include <vector>
 
@@ -14,6 +21,20 @@
 
 namespace gimbal {
 namespace {
+
+constexpr std::chrono::seconds kAhead{5};
+
+/// A signal's handler has nothing else that it may write to.
+volatile std::sig_atomic_t is_ahead = 0;
+
+void change_clock(int) {
+  is_ahead = is_ahead == 0 ? 1 : 0;
+}
+
+HidSensorHub::Stamp stamp_for_now() {
+  if (is_ahead == 0) return std::nullopt;
+  return monotonic_now() + kAhead;
+}
 
 using Sample = std::variant<GyroSample, AccelSample>;
 
@@ -35,8 +56,11 @@ SensorDuration mean_interval(const std::vector<GyroSample>& gyro) {
 }
 
 Result<void> send(HidSensorHub& hub, const Sample& sample) {
-  if (const auto* gyro = std::get_if<GyroSample>(&sample)) return hub.send_gyro(gyro->gyro_rad_s);
-  return hub.send_accel(std::get<AccelSample>(sample).accel_m_s2);
+  const HidSensorHub::Stamp stamp = stamp_for_now();
+  if (const auto* gyro = std::get_if<GyroSample>(&sample)) {
+    return hub.send_gyro(gyro->gyro_rad_s, stamp);
+  }
+  return hub.send_accel(std::get<AccelSample>(sample).accel_m_s2, stamp);
 }
 
 Result<void> play(HidSensorHub& hub, const std::vector<Sample>& samples, SensorTime start) {
@@ -50,16 +74,37 @@ Result<void> play(HidSensorHub& hub, const std::vector<Sample>& samples, SensorT
   return {};
 }
 
-Result<void> play_forever(const char* folder) {
+/// Lies still at the first sample's place.
+Result<void> rest(HidSensorHub& hub, const Session& session, SensorTime start, SensorTime end) {
+  const SensorDuration interval = mean_interval(session.gyro);
+  for (SensorTime time = start; time < end; time += interval) {
+    auto sent = hub.answer_until(time)
+                    .and_then([&] {
+                      return hub.send_gyro({0, 0, 0}, stamp_for_now());
+                    })
+                    .and_then([&] {
+                      return hub.send_accel(session.accel.front().accel_m_s2, stamp_for_now());
+                    });
+    if (!sent) return sent;
+  }
+  return {};
+}
+
+Result<void> play_forever(const char* folder, SensorDuration rest_time) {
   const auto session = open_session(folder);
   if (!session) return tl::unexpected(session.error());
-  if (session->gyro.size() < 2) return bad_input(fmt::format("{}: no gyro samples", folder));
+  if (session->gyro.size() < 2 || session->accel.empty()) {
+    return bad_input(fmt::format("{}: no samples", folder));
+  }
   const SensorDuration interval = mean_interval(session->gyro);
   const std::vector<Sample> samples = samples_of(*session);
   const SensorDuration length = time_of(samples.back()) - time_of(samples.front()) + interval;
   auto hub = HidSensorHub::plug_in(interval);
   if (!hub) return tl::unexpected(hub.error());
-  for (SensorTime start = monotonic_now();; start += length) {
+  for (SensorTime start = monotonic_now() + rest_time;; start += length + rest_time) {
+    if (auto rested = rest(*hub, *session, start - rest_time, start); !rested) return rested;
+    fmt::print("{}\n", start.time_since_epoch().count());
+    std::fflush(stdout);
     if (auto played = play(*hub, samples, start); !played) return played;
   }
 }
@@ -68,11 +113,12 @@ Result<void> play_forever(const char* folder) {
 }  // namespace gimbal
 
 int main(int argc, char** argv) {
-  if (argc != 2) {
-    fmt::print(stderr, "usage: recorded_imu SESSION\n");
+  if (argc != 3) {
+    fmt::print(stderr, "usage: recorded_imu SESSION REST_S\n");
     return 2;
   }
-  const auto played = gimbal::play_forever(argv[1]);
+  std::signal(SIGUSR1, gimbal::change_clock);
+  const auto played = gimbal::play_forever(argv[1], std::chrono::seconds(std::atoi(argv[2])));
   if (!played) fmt::print(stderr, "recorded_imu: {}\n", played.error().message);
   return played ? 0 : 1;
 }

@@ -1,0 +1,28 @@
+#!/usr/bin/env bash
+# Killed, and hung, it is started again; what was being recorded can be read.
+# limit: 900 s
+source /hardware/guest/test.sh
+source /hardware/guest/service.sh
+needs vivid recorded_imu
+
+have_recorded() { (($(status_of .recording.frames) >= $1)); }
+
+watchdog_s=20
+start_service <<TOML
+outputs = ["identity ! fakesink"]
+$camera_and_imu
+TOML
+wait_until "10 pictures are shown" have_shown 10
+
+gimbalctl record start
+wait_until "5 frames are recorded" have_recorded 5
+recording=$(status_of .recording.folder)
+kill -KILL "$(main_process)"
+wait_until "it runs again" has_started_again 1
+wait_until "pictures are shown again" have_shown 10
+gimbalctl sessions show "$recording" || fail "the recording cannot be read"
+
+kill -STOP "$(main_process)"
+wait_until "the watchdog has found it" has_said 'Watchdog timeout'
+wait_until "it runs again" has_started_again 2
+wait_until "pictures are shown again" have_shown 10
