@@ -137,9 +137,14 @@ TEST(SegmentOutput, SoundComesWithThePicturesThatWereTakenWithIt) {
   const auto heard = test::sound_onsets(file);
   ASSERT_GE(seen.size(), 3U);
   ASSERT_GE(heard.size(), 3U);
+  // It counts its samples from when it gets going, which a busy machine puts off; a whole lag it is
+  // not.
+  const double begun_late_s = heard[0] - ticks[0];
+  EXPECT_GT(begun_late_s, -kPacket_s);
+  EXPECT_LT(begun_late_s, to_seconds(kDelay) / 2);
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_NEAR(seen[i], static_cast<double>(i), 0.002);
-    EXPECT_NEAR(heard[i], ticks[i], kPacket_s);
+    EXPECT_NEAR(heard[i] - ticks[i], begun_late_s, 0.002);
   }
 }
 
