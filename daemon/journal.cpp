@@ -62,7 +62,8 @@ std::vector<std::string> journal_fields(LogLevel level, std::string_view text, L
 }
 
 void log_line(LogLevel level, std::string_view text, LogSubject subject) {
-  static RepeatedLines repeated;
+  // Never destroyed: an output that was left behind may have something to say to the last.
+  static RepeatedLines& repeated = *new RepeatedLines;
   const auto passed = repeated.pass(text, std::chrono::steady_clock::now());
   if (!passed) return;
   const std::string line = passed->held_back == 0 ? std::string(text)
