@@ -103,11 +103,10 @@ bool is_folded(const FrameCells& cells) {
 /// Pixels to the left of an edge of the outline, taken with the sign of its direction.
 std::int64_t pixels_left_of(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
                             ImageSize size) {
-  const OutputEdge edge(from, to);
-  const int y_end = first_pixel(edge.bottom().y(), size.height);
+  const EdgeCrossings edge(OutputEdge(from, to), size.height);
   std::int64_t pixels = 0;
-  for (int y = first_pixel(edge.top().y(), size.height); y < y_end; ++y) {
-    pixels += first_pixel(edge.x_at(y), size.width);
+  for (int y = edge.rows().begin; y < edge.rows().end; ++y) {
+    pixels += edge.first_pixel_right_of(y, size.width);
   }
   return from.y() < to.y() ? pixels : -pixels;
 }

@@ -64,6 +64,14 @@ using LineOrientation = std::function<Eigen::Quaterniond(double line)>;
                                        const VirtualCamera& camera, ImageSize output_size,
                                        Border border, MeshDensity density);
 
+/// The coarsest density whose affine pieces stay within `error_px` output pixels of the exact map,
+/// for a motion that is smooth from a sixteenth of the frame's lines to the next; the default one
+/// where the virtual camera cannot see all of the frame.
+[[nodiscard]] MeshDensity choose_mesh_density(const Lens& lens, ImageSize source_size,
+                                              ReadoutDirection direction,
+                                              const LineOrientation& q_world_camera,
+                                              const VirtualCamera& camera, double error_px = 0.1);
+
 /// Pixels of the output whose centre lies outside of the source frame.
 [[nodiscard]] std::int64_t count_border_pixels(const WarpMesh& mesh);
 

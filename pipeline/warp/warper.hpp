@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -28,8 +29,10 @@ class Warper {
   [[nodiscard]] virtual std::string renderer() const = 0;
 };
 
-/// The plain twin of the GLES warper: same mesh, bilinear, one thread.
-[[nodiscard]] std::unique_ptr<Warper> make_cpu_warper();
+/// The twin of the GLES warper without a GPU: same mesh, bilinear, with the processor's vector
+/// instructions. `threads` draw a frame, the caller's among them; if not given, as many as there
+/// are cores, up to what pays. The picture does not depend on it.
+[[nodiscard]] std::unique_ptr<Warper> make_cpu_warper(std::optional<int> threads = std::nullopt);
 
 /// Which versions of OpenGL ES may be used.
 enum class GlesVersion : std::uint8_t {

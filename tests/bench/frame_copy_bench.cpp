@@ -10,19 +10,18 @@ namespace {
 using gimbal::ImageSize;
 using gimbal::Nv12Buffer;
 
-constexpr ImageSize kSize{1280, 720};
-
 std::size_t plane_bytes(std::ptrdiff_t stride_bytes, int rows) {
   return static_cast<std::size_t>(stride_bytes * rows);
 }
 
 /// What moving a frame's bytes costs at least: the unit that the report counts warpers in.
-void frame_copy_720p(benchmark::State& state) {
-  const Nv12Buffer source(kSize);
-  const Nv12Buffer target(kSize);
-  const std::size_t luma_bytes = plane_bytes(source.luma().stride_bytes, kSize.height);
+void frame_copy(benchmark::State& state) {
+  const ImageSize size{static_cast<int>(state.range(0)), static_cast<int>(state.range(1))};
+  const Nv12Buffer source(size);
+  const Nv12Buffer target(size);
+  const std::size_t luma_bytes = plane_bytes(source.luma().stride_bytes, size.height);
   const std::size_t chroma_bytes =
-      plane_bytes(source.chroma().stride_bytes, gimbal::chroma_size(kSize).height);
+      plane_bytes(source.chroma().stride_bytes, gimbal::chroma_size(size).height);
   std::memset(source.luma().data, 1, luma_bytes);
   std::memset(source.chroma().data, 2, chroma_bytes);
   for (auto _ : state) {
@@ -31,6 +30,6 @@ void frame_copy_720p(benchmark::State& state) {
     benchmark::ClobberMemory();
   }
 }
-BENCHMARK(frame_copy_720p)->Unit(benchmark::kMicrosecond);
+BENCHMARK(frame_copy)->Args({1280, 720})->Args({1920, 1080})->Unit(benchmark::kMicrosecond);
 
 }  // namespace

@@ -1,8 +1,12 @@
-// What one frame costs: the mesh, the count of border pixels, and each warper.
+// What one frame costs: the mesh, the count of border pixels, and each warper; and OpenCV's remap
+// of the same picture, whose maps are ready and in its fastest format.
 
 #include <benchmark/benchmark.h>
 
 #include <cmath>
+#include <numbers>
+#include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "pipeline/warp/warper.hpp"
 
@@ -13,21 +17,23 @@ PinholeIntrinsics intrinsics_of(ImageSize size) {
   return {0.955 * size.width, 0.955 * size.width, size.width / 2.0, size.height / 2.0};
 }
 
-/// A view zoomed by 1.15, rolled by 3 degrees and panned a little while the rows are read.
+/// A view zoomed by 1.15, rolled by 2 degrees and panned a little while the rows are read.
 WarpMesh make_mesh(ImageSize size) {
   const PinholeIntrinsics k = intrinsics_of(size);
   LensParameters parameters;
   parameters.K << k.fx, 0, k.cx, 0, k.fy, k.cy, 0, 0, 1;
   const Lens lens = Lens::create(parameters).value();
   const auto q_world_camera = [&](double line) {
-    return Eigen::AngleAxisd(0.05, Eigen::Vector3d::UnitZ()) *
+    return Eigen::AngleAxisd(2 * std::numbers::pi / 180, Eigen::Vector3d::UnitZ()) *
            Eigen::Quaterniond(
                Eigen::AngleAxisd(0.03 * line / size.height, Eigen::Vector3d::UnitY()));
   };
   VirtualCamera camera;
   camera.intrinsics = {1.15 * k.fx, 1.15 * k.fy, k.cx, k.cy};
+  const MeshDensity density =
+      choose_mesh_density(lens, size, ReadoutDirection::top_down, q_world_camera, camera);
   return build_warp_mesh(lens, size, ReadoutDirection::top_down, q_world_camera, camera, size,
-                         Border::crop, {});
+                         Border::crop, density);
 }
 
 VideoFrame make_frame(ImageSize size) {
@@ -61,16 +67,16 @@ void count_border(benchmark::State& state) {
   for (auto _ : state) benchmark::DoNotOptimize(count_border_pixels(mesh));
 }
 
+/// The mesh is built anew for each frame, as it is in a run.
 void run(benchmark::State& state, Warper& warper) {
   const ImageSize size = size_of(state);
   const VideoFrame frame = make_frame(size);
-  const WarpMesh mesh = make_mesh(size);
-  for (auto _ : state) benchmark::DoNotOptimize(warper.warp(frame, mesh));
+  for (auto _ : state) benchmark::DoNotOptimize(warper.warp(frame, make_mesh(size)));
   state.SetLabel(warper.renderer());
 }
 
-void warp_cpu(benchmark::State& state) {
-  run(state, *make_cpu_warper());
+void warp_cpu(benchmark::State& state, int threads) {
+  run(state, *make_cpu_warper(threads));
 }
 
 void warp_gles(benchmark::State& state, GlesVersion version) {
@@ -79,13 +85,61 @@ void warp_gles(benchmark::State& state, GlesVersion version) {
   run(state, **warper);
 }
 
+/// Where each pixel of one plane comes from, as OpenCV's remap has it in fixed point.
+struct RemapMaps {
+  cv::Mat pixels;
+  cv::Mat fractions;
+};
+
+RemapMaps make_maps(const WarpMesh& mesh, ImageSize size, double scale) {
+  cv::Mat map(size.height, size.width, CV_32FC2);
+  for (int y = 0; y < size.height; ++y) {
+    for (int x = 0; x < size.width; ++x) {
+      const auto source = source_of(mesh, Eigen::Vector2d(x, y) * scale);
+      const Eigen::Vector2f at = source ? (*source / scale).cast<float>() : Eigen::Vector2f(-9, -9);
+      map.at<cv::Vec2f>(y, x) = {at.x(), at.y()};
+    }
+  }
+  RemapMaps maps;
+  cv::convertMaps(map, {}, maps.pixels, maps.fractions, CV_16SC2);
+  return maps;
+}
+
+cv::Mat picture_of(const VideoFrame& frame, std::size_t plane, ImageSize size, int type) {
+  const ConstPlane& memory = frame.planes[plane];
+  return cv::Mat(size.height, size.width, type, const_cast<std::uint8_t*>(memory.data),
+                 static_cast<std::size_t>(memory.stride_bytes));
+}
+
+void opencv_remap(benchmark::State& state) {
+  cv::setNumThreads(1);
+  const ImageSize size = size_of(state);
+  const VideoFrame frame = make_frame(size);
+  const WarpMesh mesh = make_mesh(size);
+  const RemapMaps luma_maps = make_maps(mesh, size, 1);
+  const RemapMaps chroma_maps = make_maps(mesh, chroma_size(size), 2);
+  const cv::Mat luma = picture_of(frame, 0, size, CV_8UC1);
+  const cv::Mat chroma = picture_of(frame, 1, chroma_size(size), CV_8UC2);
+  cv::Mat luma_out;
+  cv::Mat chroma_out;
+  for (auto _ : state) {
+    cv::remap(luma, luma_out, luma_maps.pixels, luma_maps.fractions, cv::INTER_LINEAR,
+              cv::BORDER_CONSTANT, 16);
+    cv::remap(chroma, chroma_out, chroma_maps.pixels, chroma_maps.fractions, cv::INTER_LINEAR,
+              cv::BORDER_CONSTANT, {128, 128});
+    benchmark::ClobberMemory();
+  }
+}
+
 void usual_sizes(benchmark::internal::Benchmark* bench) {
   bench->Args({1280, 720})->Args({1920, 1080})->Unit(benchmark::kMillisecond);
 }
 
 BENCHMARK(build_mesh)->Apply(usual_sizes);
 BENCHMARK(count_border)->Apply(usual_sizes);
-BENCHMARK(warp_cpu)->Apply(usual_sizes);
+BENCHMARK_CAPTURE(warp_cpu, one_thread, 1)->Apply(usual_sizes)->MeasureProcessCPUTime();
+BENCHMARK_CAPTURE(warp_cpu, two_threads, 2)->Apply(usual_sizes)->MeasureProcessCPUTime();
+BENCHMARK(opencv_remap)->Apply(usual_sizes);
 // llvmpipe draws on threads of its own, so that only the process' time is what a frame costs.
 BENCHMARK_CAPTURE(warp_gles, best, GlesVersion::best)->Apply(usual_sizes)->MeasureProcessCPUTime();
 BENCHMARK_CAPTURE(warp_gles, gles2, GlesVersion::gles2)

@@ -37,6 +37,7 @@ OUTSIDE_PIPELINE = r"drivers.*|daemon"
 SYSTEM_HEADER_HOMES = [
     (r"(Eigen|tl)/.*", ANYWHERE),
     (r"(EGL|GLES\d?|GL|KHR)/.*|gbm\.h|drm.*", r"pipeline/warp"),
+    (r"hwy/.*", r"pipeline/warp"),
     (r"gst/.*|glib.*", r"pipeline/(gstreamer|sink)|drivers/replay"),
     (r"opencv2/.*", r"pipeline/sync|daemon"),
     (r"linux/(videodev2|v4l2-.*|media.*)\.h", r"drivers/v4l2"),
@@ -48,7 +49,7 @@ SYSTEM_HEADER_HOMES = [
     (r"toml\+\+/.*|nlohmann/.*", r"drivers/replay|daemon"),
     (r"(CLI|spdlog)/.*|httplib\.h", r"daemon"),
     (r"fmt/.*", OUTSIDE_SAMPLE),
-    (r"thread|stop_token|future", r"pipeline/(queue|sink)|" + OUTSIDE_PIPELINE),  # others own none
+    (r"thread|stop_token|future", r"pipeline/(queue|sink|warp)|" + OUTSIDE_PIPELINE),  # others own none
     (r"linux/.*|sys/ioctl\.h", OUTSIDE_PIPELINE),
     (r"(sys/)?[a-z0-9_]+\.h", OUTSIDE_SAMPLE),  # POSIX
     (r"[a-z0-9_]+", ANYWHERE),  # the standard library

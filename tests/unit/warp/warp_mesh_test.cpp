@@ -186,6 +186,59 @@ TEST(WarpMesh, DefaultDensityIsCloseToTheExactMapUnderViolentMotion) {
   }
 }
 
+/// A hand's turn while 720 lines are read.
+Quaterniond gentle_motion(double line) {
+  const double readout = line / 720 - 0.5;
+  return Quaterniond(AngleAxisd(0.03 * readout, Vector3d(0.5, 0.8, 0.33).normalized()));
+}
+
+struct MotionWithBound {
+  LineOrientation q_world_camera;
+  double bound_px;
+};
+
+TEST(WarpMesh, ChosenDensityIsWithinItsBoundAndNoFinerThanItMustBe) {
+  for (const Lens& lens : {make_lens(LensModel::pinhole, 1223, {}),
+                           make_lens(LensModel::brown, 1223, {-0.25, 0.08, 1e-3, -1e-3}),
+                           make_lens(LensModel::fisheye, 1223, {0.05, -0.02, 0, 0})}) {
+    for (const auto& [motion, bound_px] :
+         {MotionWithBound{gentle_motion, 0.05}, MotionWithBound{violent_motion, 0.3}}) {
+      for (const double turn_rad : {0.0, 0.1}) {
+        const Quaterniond q_world_virtual(AngleAxisd(turn_rad, Vector3d(0.3, 1, 0.1).normalized()));
+        const VirtualCamera camera = camera_at(q_world_virtual, {1400, 1400, 639.5, 359.5});
+        const MeshDensity density =
+            choose_mesh_density(lens, k720p, ReadoutDirection::top_down, motion, camera, bound_px);
+        const ExactWarp exact{lens, motion, camera};
+        const auto error_px = [&](MeshDensity cells) {
+          return largest_error_px(build_warp_mesh(lens, k720p, ReadoutDirection::top_down, motion,
+                                                  camera, k720p, Border::crop, cells),
+                                  exact);
+        };
+        SCOPED_TRACE(testing::Message()
+                     << "lens model " << static_cast<int>(lens.parameters().model) << ", turned by "
+                     << turn_rad << " rad, cells: " << density.columns << " x " << density.rows);
+        EXPECT_LT(error_px(density), bound_px);
+        EXPECT_GT(error_px({density.columns / 2, density.rows / 2}), bound_px);
+      }
+    }
+  }
+}
+
+TEST(WarpMesh, ChosenDensityFollowsColumnsAsItFollowsRows) {
+  const Lens lens = warp_scene::ipod_lens({720, 720});
+  VirtualCamera camera = camera_at(still(0), warp_scene::ipod_intrinsics({720, 720}));
+  const auto tremble = [](double line) {
+    return Quaterniond(AngleAxisd(0.01 * std::sin(line / 60), Vector3d::UnitZ()));
+  };
+  const ImageSize square{720, 720};
+  const MeshDensity by_rows =
+      choose_mesh_density(lens, square, ReadoutDirection::top_down, tremble, camera);
+  const MeshDensity by_columns =
+      choose_mesh_density(lens, square, ReadoutDirection::left_right, tremble, camera);
+  EXPECT_GT(by_rows.rows, 2 * by_rows.columns);
+  EXPECT_GT(by_columns.columns, 2 * by_columns.rows);
+}
+
 TEST(WarpMesh, SourceThenExactMapReturnsToThePixel) {
   std::mt19937 generator(11);
   std::uniform_real_distribution<double> unit(-1, 1);

@@ -1,0 +1,91 @@
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "pipeline/warp/warp_mesh.hpp"
+
+namespace gimbal {
+namespace {
+
+// Where the map is looked at. It changes faster from line to line than along them: a hand trembles
+// while lines are read, and no lens bends as quickly.
+constexpr MeshDensity kProbesOfRows{8, 16};
+constexpr MeshDensity kProbesOfColumns{16, 8};
+
+/// Of the bound; the rest is for what curvature between the probes is above their second
+/// differences.
+constexpr double kShareOfBound = 0.75;
+
+/// Columns cost more than rows: each parts the rows of the picture once more.
+constexpr double kShareOfColumns = 0.6;
+
+/// A grid of points of the exact map, and its largest second differences from cell to cell.
+struct Curvature {
+  double along_rows = 0;
+  double along_columns = 0;
+  double twist = 0;
+};
+
+Curvature curvature_of(const WarpMesh& probes) {
+  const auto at = [&](int column, int row) -> Eigen::Vector2d {
+    const auto index =
+        static_cast<std::size_t>(std::ptrdiff_t{row} * probes.vertex_columns + column);
+    return probes.vertices[index].output_px.cast<double>();
+  };
+  Curvature curvature;
+  for (int row = 0; row < probes.vertex_rows; ++row) {
+    for (int column = 0; column < probes.vertex_columns; ++column) {
+      const Eigen::Vector2d here = at(column, row);
+      if (column > 1) {
+        const double bend = (here - 2 * at(column - 1, row) + at(column - 2, row)).norm();
+        curvature.along_rows = std::max(curvature.along_rows, bend);
+      }
+      if (row > 1) {
+        const double bend = (here - 2 * at(column, row - 1) + at(column, row - 2)).norm();
+        curvature.along_columns = std::max(curvature.along_columns, bend);
+      }
+      if (column > 0 && row > 0) {
+        const double twist =
+            (here - at(column - 1, row) - at(column, row - 1) + at(column - 1, row - 1)).norm();
+        curvature.twist = std::max(curvature.twist, twist);
+      }
+    }
+  }
+  return curvature;
+}
+
+int whole_cells(double cells) {
+  return static_cast<int>(std::ceil(std::clamp(cells, 1.0, 1000.0)));
+}
+
+/// A linear piece of length L errs by at most f'' L² / 8, and second differences are f'' times the
+/// square of the probes' distance. The error of a cell is at most the sum of those along its sides,
+/// a / columns² + b / rows², and of what its diagonal adds for the twist, c / (columns rows).
+MeshDensity density_within(const Curvature& curvature, MeshDensity probes, double error_px) {
+  const double a = curvature.along_rows * probes.columns * probes.columns / 8;
+  const double b = curvature.along_columns * probes.rows * probes.rows / 8;
+  const double c = curvature.twist * probes.columns * probes.rows / 4;
+  const int columns = whole_cells(std::sqrt(a / (kShareOfColumns * error_px)));
+  const double left_px = error_px - a / (columns * columns);
+  const double twist = c / columns;
+  const double rows = (twist + std::sqrt(twist * twist + 4 * left_px * b)) / (2 * left_px);
+  return {columns, whole_cells(rows)};
+}
+
+}  // namespace
+
+MeshDensity choose_mesh_density(const Lens& lens, ImageSize source_size, ReadoutDirection direction,
+                                const LineOrientation& q_world_camera, const VirtualCamera& camera,
+                                double error_px) {
+  const MeshDensity probes = reads_rows(direction) ? kProbesOfRows : kProbesOfColumns;
+  const WarpMesh mesh = build_warp_mesh(lens, source_size, direction, q_world_camera, camera,
+                                        source_size, Border::crop, probes);
+  const bool all_visible =
+      std::all_of(mesh.vertices.begin(), mesh.vertices.end(),
+                  [](const MeshVertex& vertex) { return vertex.output_px.allFinite(); });
+  // Cells of which a corner cannot be seen are left out: the finer they are, the less is lost.
+  if (!all_visible) return {};
+  return density_within(curvature_of(mesh), probes, kShareOfBound * error_px);
+}
+
+}  // namespace gimbal

@@ -1,0 +1,106 @@
+#include "pipeline/warp/plane_drawing.hpp"
+
+#include <algorithm>
+#include <cstddef>
+
+namespace gimbal {
+namespace {
+
+// More would not fit into fixed point.
+constexpr double kLongestStepPx = 1 << 14;
+constexpr double kFarthestPx = 1 << 30;
+
+FixedPoint to_fixed(const Eigen::Vector2d& point) {
+  const Eigen::Vector2d held = point.cwiseMax(-kFarthestPx).cwiseMin(kFarthestPx);
+  return {to_fixed_px(held.x()), to_fixed_px(held.y())};
+}
+
+/// A triangle with longer steps is as good as a line: should it hit the centre of a pixel at all,
+/// that gets a point of the triangle.
+AffineMap fixed_map(const MeshTriangle& triangle) {
+  const Eigen::Matrix<double, 2, 3> map = triangle.source_map();
+  const bool fits = (map.leftCols<2>().array().abs() <= kLongestStepPx).all();
+  if (!fits) return {to_fixed(triangle.source_middle()), {0, 0}, {0, 0}};
+  return {to_fixed(map.col(2)), to_fixed(map.col(0)), to_fixed(map.col(1))};
+}
+
+double twice_area(const MeshVertex& a, const MeshVertex& b, const MeshVertex& c) {
+  const Eigen::Vector2d ab = (b.output_px - a.output_px).cast<double>();
+  const Eigen::Vector2d ac = (c.output_px - a.output_px).cast<double>();
+  return ab.x() * ac.y() - ab.y() * ac.x();
+}
+
+}  // namespace
+
+PlaneDrawing::PlaneDrawing(const WarpMesh& mesh, Plane plane, const VideoFrame& source,
+                           MutablePlane output, std::array<std::uint8_t, 2> black)
+    : plane_(plane),
+      source_{source.planes[static_cast<std::size_t>(plane)], plane_size(source.size, plane),
+              mesh.border},
+      output_(output),
+      size_(plane_size(mesh.output_size, plane)),
+      black_(black) {
+  const std::vector<MeshVertex> vertices = plane_vertices(mesh, plane, source.color.chroma_siting);
+  pieces_.reserve(mesh.triangles.size() / 3);
+  for (std::size_t i = 0; i + 2 < mesh.triangles.size(); i += 3) {
+    const MeshVertex& a = vertices[mesh.triangles[i]];
+    const MeshVertex& b = vertices[mesh.triangles[i + 1]];
+    const MeshVertex& c = vertices[mesh.triangles[i + 2]];
+    const MeshTriangle triangle(a, b, c);
+    pieces_.push_back({triangle, fixed_map(triangle)});
+    is_folded_ = is_folded_ || twice_area(a, b, c) < 0;
+  }
+}
+
+void PlaneDrawing::draw(RowRange rows) const {
+  std::vector<Span> spans;
+  std::vector<std::size_t> ends;  // of each piece's spans
+  ends.reserve(pieces_.size());
+  for (const Piece& piece : pieces_) {
+    piece.triangle.for_each_span(size_, rows, [&](int y, int x_begin, int x_end) {
+      spans.push_back({y, x_begin, x_end});
+    });
+    ends.push_back(spans.size());
+  }
+  blacken(rows, spans);
+  std::size_t begin = 0;
+  for (std::size_t i = 0; i < pieces_.size(); ++i) {
+    const std::span own = std::span(spans).subspan(begin, ends[i] - begin);
+    if (!own.empty()) paint_spans(plane_, source_, pieces_[i].map, own, output_);
+    begin = ends[i];
+  }
+}
+
+/// Only where no triangle draws, if that can be told from the spans alone.
+void PlaneDrawing::blacken(RowRange rows, const std::vector<Span>& spans) const {
+  struct DrawnPart {
+    int begin;
+    int end;
+    int pixels;
+  };
+  std::vector<DrawnPart> parts(static_cast<std::size_t>(rows.end - rows.begin),
+                               {size_.width, 0, 0});
+  for (const Span& span : spans) {
+    DrawnPart& part = parts[static_cast<std::size_t>(span.y - rows.begin)];
+    part.begin = std::min(part.begin, span.x_begin);
+    part.end = std::max(part.end, span.x_end);
+    part.pixels += span.x_end - span.x_begin;
+  }
+  for (int y = rows.begin; y < rows.end; ++y) {
+    const DrawnPart& part = parts[static_cast<std::size_t>(y - rows.begin)];
+    const bool without_gap = !is_folded_ && part.pixels == part.end - part.begin;
+    blacken({y, 0, without_gap ? part.begin : size_.width});
+    if (without_gap) blacken({y, part.end, size_.width});
+  }
+}
+
+void PlaneDrawing::blacken(Span span) const {
+  std::uint8_t* row = output_.data + span.y * output_.stride_bytes;
+  if (plane_ == Plane::luma)
+    return void(std::fill(row + span.x_begin, row + span.x_end, black_[0]));
+  for (int x = span.x_begin; x < span.x_end; ++x) {
+    std::copy(black_.begin(), black_.end(), row + 2 * std::ptrdiff_t{x});
+  }
+}
+
+}  // namespace gimbal
