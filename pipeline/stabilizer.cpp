@@ -146,9 +146,13 @@ std::optional<VirtualCamera> Stabilizer::next_camera() {
 }
 
 WarpMesh Stabilizer::mesh_for(const VirtualCamera& camera) const {
-  return build_warp_mesh(lens_, camera_.size, camera_.readout_direction,
-                         orientation_of(camera.stamp), camera, camera_.size, options_.border,
-                         options_.mesh);
+  const LineOrientation orientation = orientation_of(camera.stamp);
+  const MeshDensity density =
+      options_.mesh ? *options_.mesh
+                    : choose_mesh_density(lens_, camera_.size, camera_.readout_direction,
+                                          orientation, camera);
+  return build_warp_mesh(lens_, camera_.size, camera_.readout_direction, orientation, camera,
+                         camera_.size, options_.border, density);
 }
 
 void Stabilizer::forget(const FrameStamp& stamp) {

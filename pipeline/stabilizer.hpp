@@ -27,7 +27,7 @@ struct StabilizerOptions {
   PathLatency latency;
   /// The line, in pixels along the readout, that a rectified frame is drawn at; the middle if none.
   std::optional<double> reference_line;
-  MeshDensity mesh;
+  std::optional<MeshDensity> mesh;  ///< none: as coarse as each frame allows
 };
 
 /// From samples and frame stamps to the mesh of each frame:
