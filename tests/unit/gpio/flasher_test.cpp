@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
@@ -72,8 +73,9 @@ TEST(Flasher, KeepsItsFrequency) {
 TEST(Flasher, IsOnAndOffInTurnAndOffInTheEnd) {
   const auto wire = std::make_shared<Wire>();
   wait_for_flashes(*flash(wire, 200), 5);
-  ASSERT_GE(wire->changes.size(), 6U);
-  EXPECT_EQ(wire->changes.front().level, GpioLevel::active);
+  const auto on = std::ranges::count(wire->changes, GpioLevel::active, &Wire::Change::level);
+  EXPECT_GE(on, 5);
+  EXPECT_GT(std::ssize(wire->changes), on);
   EXPECT_EQ(wire->changes.back().level, GpioLevel::inactive);
 }
 
