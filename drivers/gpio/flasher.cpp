@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <chrono>
 #include <condition_variable>
+#include <mutex>
+#include <stop_token>
 #include <utility>
 
 #include "drivers/clock/monotonic_now.hpp"
@@ -16,15 +18,24 @@ GpioLevel other(GpioLevel level) {
   return level == GpioLevel::active ? GpioLevel::inactive : GpioLevel::active;
 }
 
-/// Whether the time came before a stop.
-bool sleep_until(SensorTime time, const std::stop_token& stop) {
-  std::mutex mutex;
-  std::unique_lock lock(mutex);
-  std::condition_variable_any woken;
-  const std::chrono::steady_clock::time_point when(time.time_since_epoch());
-  woken.wait_until(lock, stop, when, [] { return false; });
-  return !stop.stop_requested();
-}
+/// Sleeps until a time comes, or a stop.
+class Sleeper {
+ public:
+  explicit Sleeper(const std::stop_token& stop) : stop_(stop) {}
+
+  /// Whether the time came before the stop.
+  [[nodiscard]] bool sleep_until(SensorTime time) {
+    std::unique_lock lock(mutex_);
+    const std::chrono::steady_clock::time_point when(time.time_since_epoch());
+    woken_.wait_until(lock, stop_, when, [] { return false; });
+    return !stop_.stop_requested();
+  }
+
+ private:
+  std::stop_token stop_;
+  std::mutex mutex_;
+  std::condition_variable_any woken_;
+};
 
 }  // namespace
 
@@ -55,8 +66,9 @@ Flasher::Record Flasher::record() const {
 /// Every change is due at a multiple of half a flash from the start, so that lateness of one is not
 /// handed on.
 void Flasher::run(const std::stop_token& stop) {
+  Sleeper sleeper(stop);
   auto level = GpioLevel::active;
-  for (SensorTime due = monotonic_now(); sleep_until(due, stop); due += half_) {
+  for (SensorTime due = monotonic_now(); sleeper.sleep_until(due); due += half_) {
     if (!change(level, due)) return;
     level = other(level);
   }

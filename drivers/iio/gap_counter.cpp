@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <vector>
 
 namespace gimbal {
 namespace {
 
 constexpr std::size_t kStepsToLearn = 8;
-constexpr std::size_t kStepsHeld = 255;  // of which a burst is the smaller part
 constexpr double kGapFrom = 1.75;      // in usual steps
 constexpr double kCatchUpBelow = 0.5;  // in usual steps
 constexpr std::size_t kStepsToSettle = 8;
@@ -19,17 +17,17 @@ void GapCounter::take(SensorTime stamp) {
   if (last_) {
     const double step_s = to_seconds(stamp - *last_);
     if (const auto usual_s = usual_step_s()) settle(step_s / *usual_s);
-    recent_steps_s_.push_back(step_s);
-    if (recent_steps_s_.size() > kStepsHeld) recent_steps_s_.pop_front();
+    steps_s_[steps_seen_++ % kStepsHeld] = step_s;
   }
   last_ = stamp;
 }
 
 std::optional<double> GapCounter::usual_step_s() const {
-  if (recent_steps_s_.size() < kStepsToLearn) return std::nullopt;
-  std::vector<double> steps(recent_steps_s_.begin(), recent_steps_s_.end());
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
+  const std::size_t held = std::min(steps_seen_, kStepsHeld);
+  if (held < kStepsToLearn) return std::nullopt;
+  std::array<double, kStepsHeld> steps = steps_s_;
+  auto* const middle = steps.data() + held / 2;
+  std::nth_element(steps.data(), middle, steps.data() + held);
   return *middle;
 }
 

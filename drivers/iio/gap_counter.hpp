@@ -1,8 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <optional>
 
 #include "pipeline/sample/sensor_time.hpp"
@@ -19,11 +19,14 @@ class GapCounter {
   [[nodiscard]] std::uint64_t missing() const { return missing_; }
 
  private:
+  static constexpr std::size_t kStepsHeld = 255;  ///< of which a burst is the smaller part
+
   [[nodiscard]] std::optional<double> usual_step_s() const;
   void settle(double steps);
 
   std::optional<SensorTime> last_;
-  std::deque<double> recent_steps_s_;
+  std::array<double, kStepsHeld> steps_s_{};  ///< a ring of the latest
+  std::size_t steps_seen_ = 0;
   std::uint64_t missing_ = 0;
   std::uint64_t suspected_ = 0;      ///< missing, unless they come at once
   std::size_t steps_since_gap_ = 0;  ///< since the last that was suspected

@@ -1,10 +1,8 @@
 #include <algorithm>
-#include <cmath>
-#include <cstddef>
-#include <cstdint>
+#include <memory>
 #include <optional>
+#include <string>
 #include <thread>
-#include <vector>
 
 #include "pipeline/warp/band_workers.hpp"
 #include "pipeline/warp/black_level.hpp"
