@@ -51,15 +51,20 @@ class Gimbald : public ::testing::Test {
     return test::run_program(command, kLimit_s);
   }
 
+  /// Makes the folder "session".
+  void simulate_walk(const char* duration_s) const {
+    const auto simulated =
+        test::run_program({GIMBALCTL, "simulate", "-o", path("session"), "--size", "320x240",
+                           "--duration", duration_s, "--motion", "walk", "--quiet"},
+                          kLimit_s);
+    ASSERT_EQ(simulated.exit_status, 0) << simulated.standard_error;
+  }
+
   test::TemporaryFolder folder_;
 };
 
 TEST_F(Gimbald, PlaysARecordingToItsEndAndFinishesTheFile) {
-  const auto simulated =
-      test::run_program({GIMBALCTL, "simulate", "-o", path("session"), "--size", "320x240",
-                         "--duration", "2", "--motion", "walk", "--quiet"},
-                        kLimit_s);
-  ASSERT_EQ(simulated.exit_status, 0) << simulated.standard_error;
+  ASSERT_NO_FATAL_FAILURE(simulate_walk("2"));
   const auto played =
       run("outputs = [\"" + path("out.mkv") + "\"]\n[replay]\nsession = \"" + path("session") +
           "\"\nrepeat = false\n[stabilization]\nwarper = \"cpu\"\n");
@@ -150,11 +155,7 @@ TEST_F(Gimbald, TheExamplesAreSound) {
 }
 
 TEST_F(Gimbald, TakesOverChangesOnSighupAndRefusesBrokenOnes) {
-  const auto simulated =
-      test::run_program({GIMBALCTL, "simulate", "-o", path("session"), "--size", "320x240",
-                         "--duration", "1", "--motion", "walk", "--quiet"},
-                        kLimit_s);
-  ASSERT_EQ(simulated.exit_status, 0) << simulated.standard_error;
+  ASSERT_NO_FATAL_FAILURE(simulate_walk("1"));
   folder_.write("run.toml", "outputs = [\"" + path("out.y4m") + "\"]\n[replay]\nsession = \"" +
                                 path("session") + "\"\n");
   folder_.write("more.toml", "");
@@ -177,11 +178,7 @@ TEST_F(Gimbald, TakesOverChangesOnSighupAndRefusesBrokenOnes) {
 }
 
 TEST_F(Gimbald, RemembersTheGyroscopesBiasUntilTheNextRun) {
-  const auto simulated =
-      test::run_program({GIMBALCTL, "simulate", "-o", path("session"), "--size", "320x240",
-                         "--duration", "1", "--motion", "walk", "--quiet"},
-                        kLimit_s);
-  ASSERT_EQ(simulated.exit_status, 0) << simulated.standard_error;
+  ASSERT_NO_FATAL_FAILURE(simulate_walk("1"));
   const auto play = [&] {
     const auto played = run("outputs = [\"" + path("out.y4m") + "\"]\n[replay]\nsession = \"" +
                             path("session") + "\"\nrepeat = false\n[imu]\nbias_file = \"" +
