@@ -23,22 +23,6 @@ finish_gimbald() {
   cat "$daemon_log"
 }
 
-# Asks it to end, as systemd does.
-stop_gimbald() {
-  kill -TERM "$daemon"
-  finish_gimbald
-}
-
-# Whole frames that have come through the pipe.
-frames_read() {
-  local bytes header_bytes
-  bytes=$(stat -c %s "$daemon_pictures")
-  header_bytes=$(head -n 1 "$daemon_pictures" | wc -c)
-  echo $(((bytes - header_bytes) / frame_bytes))
-}
-
-have_read() { (($(frames_read) >= $1)); }
-
 # The number that stands before some words in gimbald's last lines, such as 200 in "200 frames in, ".
 count_of() { sed -n "s/.*[^0-9]\([0-9]\+\) $1.*/\1/p" "$daemon_log" | tail -n 1; }
 
@@ -51,37 +35,4 @@ expect_all_accounted_for() {
   header_bytes=$(head -n 1 "$daemon_pictures" | wc -c)
   expect_equal "bytes after the header" $((bytes - header_bytes)) \
     $(($(count_of 'frames written') * frame_bytes))
-}
-
-# A camera and an IMU of the kernel's: vivid and recorded_imu are needed.
-start_live_gimbald() {
-  start_gimbald 640 360 <<TOML
-outputs = ["-"]
-[camera]
-driver = "v4l2"
-horizontal_fov_deg = 60
-readout_s = 0.03
-[v4l2]
-device = "$vivid_node"
-width = 640
-height = 360
-fps = 25
-pixel_format = "NV12"
-[imu]
-driver = "iio"
-[iio]
-device = "gyro_3d"
-rate_hz = 100
-[stabilization]
-warper = "cpu"
-TOML
-}
-
-has_logged() { grep -q "$1" "$daemon_log"; }
-
-# Frames go on coming, from now.
-expect_frames_go_on() {
-  local now
-  now=$(frames_read)
-  wait_until "25 more frames have come" have_read $((now + 25))
 }

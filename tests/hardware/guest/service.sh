@@ -2,7 +2,7 @@
 # gimbald as systemd runs it from the installed package. What a test configures is gone when it ends.
 
 readonly service_folder=/etc/systemd/system/gimbald.service.d
-readonly camera_and_imu='
+readonly camera='
 [camera]
 driver = "v4l2"
 horizontal_fov_deg = 60
@@ -12,14 +12,17 @@ width = 640
 height = 360
 fps = 25
 pixel_format = "NV12"
+[stabilization]
+warper = "cpu"
+'
+# Tables that a test adds keys to come last: [stabilization].
+readonly camera_and_imu='
 [imu]
 driver = "iio"
 [iio]
 device = "gyro_3d"
 rate_hz = 100
-[stabilization]
-warper = "cpu"
-'
+'$camera
 
 # start_service: with the configuration on standard input. An emulated guest takes its time, so what is waited
 # for has more of it than on a real machine.
@@ -34,6 +37,16 @@ start_service() {
   # A first start may fail on a busy guest (a camera whose stamps are late); it is then started again.
   systemctl start --no-block gimbald
   wait_until "the service is active" is_active
+}
+
+# A service with camera and IMU, whose pictures nobody sees, once it shows some. Sets process.
+start_usual_service() {
+  start_service <<TOML
+outputs = ["identity ! fakesink"]
+$camera_and_imu
+TOML
+  wait_until "10 pictures are shown" have_shown 10
+  process=$(main_process)
 }
 
 stop_service() {

@@ -5,12 +5,7 @@ source /hardware/guest/test.sh
 source /hardware/guest/service.sh
 needs vivid recorded_imu
 
-start_service <<TOML
-outputs = ["identity ! fakesink"]
-$camera_and_imu
-TOML
-wait_until "10 pictures are shown" have_shown 10
-process=$(main_process)
+start_usual_service
 dpkg --install --force-confold /program/*.deb
 wait_until "it runs again" is_active
 [[ $(main_process) != "$process" ]] || fail "the old program still runs"

@@ -7,12 +7,7 @@ needs vivid recorded_imu
 
 readonly driver=/sys/bus/platform/drivers/vivid
 
-start_service <<TOML
-outputs = ["identity ! fakesink"]
-$camera_and_imu
-TOML
-wait_until "10 pictures are shown" have_shown 10
-process=$(main_process)
+start_usual_service
 
 echo vivid.0 >"$driver/unbind"
 wait_until "the loss of the camera is said" is_degraded no-camera

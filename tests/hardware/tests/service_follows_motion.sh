@@ -9,11 +9,7 @@ needs vivid recorded_imu
 readonly most_deg=2 readings=12
 readings_are_due() { (($(wc -l <"$recorded_imu_passes") > passes)); }
 
-start_service <<TOML
-outputs = ["identity ! fakesink"]
-$camera_and_imu
-TOML
-wait_until "10 pictures are shown" have_shown 10
+start_usual_service
 
 passes=$(wc -l <"$recorded_imu_passes")
 wait_until "the recording begins again" readings_are_due

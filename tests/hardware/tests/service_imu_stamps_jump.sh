@@ -11,12 +11,7 @@ have_come() { (($(samples) >= $1)); }
 has_jumped() { status_of '.imu.remarks[]' | grep -q "its clock jumped $1 time"; }
 expect_samples_go_on() { wait_until "samples go on" have_come $(($(samples) + 100)); }
 
-start_service <<TOML
-outputs = ["identity ! fakesink"]
-$camera_and_imu
-TOML
-wait_until "10 pictures are shown" have_shown 10
-process=$(main_process)
+start_usual_service
 expect_equal "remarks" "$(status_of '.imu.remarks | length')" 0
 
 change_clock_of_recorded_imu

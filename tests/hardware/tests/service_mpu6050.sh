@@ -33,15 +33,7 @@ unplugging=(end_data_ready "${unplugging[@]}")
 
 start_service <<TOML
 outputs = ["identity ! fakesink"]
-[camera]
-driver = "v4l2"
-horizontal_fov_deg = 60
-readout_s = 0.03
-[v4l2]
-width = 640
-height = 360
-fps = 25
-pixel_format = "NV12"
+$camera
 [imu]
 driver = "i2c_mpu6500"
 [i2c]
@@ -49,8 +41,6 @@ bus = "$mpu6050_bus"
 address = $mpu6050_address
 delivery = "polling"
 data_ready = "$gpio_chip:1"
-[stabilization]
-warper = "cpu"
 [recording]
 folder = "$folder"
 min_free_mb = 0

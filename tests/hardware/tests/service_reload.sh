@@ -5,12 +5,7 @@ source /hardware/guest/test.sh
 source /hardware/guest/service.sh
 needs vivid recorded_imu
 
-start_service <<TOML
-outputs = ["identity ! fakesink"]
-$camera_and_imu
-TOML
-wait_until "10 pictures are shown" have_shown 10
-process=$(main_process)
+start_usual_service
 
 cp /etc/gimbald/gimbald.toml "$scratch/sound.toml"
 echo 'amount = "much"' >>/etc/gimbald/gimbald.toml

@@ -8,11 +8,7 @@ needs vivid recorded_imu
 have_recorded() { (($(status_of .recording.frames) >= $1)); }
 
 watchdog_s=20
-start_service <<TOML
-outputs = ["identity ! fakesink"]
-$camera_and_imu
-TOML
-wait_until "10 pictures are shown" have_shown 10
+start_usual_service
 
 gimbalctl record start
 wait_until "5 frames are recorded" have_recorded 5
