@@ -78,6 +78,8 @@ AttitudeEkf::AttitudeEkf(const AttitudeEkfParameters& parameters) : parameters_(
 }
 
 Attitude AttitudeEkf::update(const ImuSample& sample) {
+  state_.plausibility.update(sample, state_.lost_gyro_axes.losses(),
+                             state_.lost_accel_axes.losses());
   if (!is_within(sample.gyro_rad_s, kLargestRate_rad_s) ||
       (state_.last && sample.time <= state_.last->time) || leaps(sample.time)) {
     ++state_.counts.skipped_gyro;
@@ -113,7 +115,7 @@ bool AttitudeEkf::leaps(SensorTime time) {
 bool AttitudeEkf::accel_is_usable(const ImuSample& sample) {
   if (!is_within(*sample.accel_m_s2, kLargestAccel_m_s2)) return false;
   const double interval_s = state_.last ? to_seconds(sample.time - state_.last->time) : 0;
-  const auto losses = state_.lost_accel_axes.update(*sample.accel_m_s2, interval_s);
+  const AxisLosses& losses = state_.lost_accel_axes.update(*sample.accel_m_s2, interval_s);
   return std::ranges::all_of(losses, [](AxisLoss loss) { return loss == AxisLoss::none; });
 }
 
@@ -131,7 +133,6 @@ void AttitudeEkf::start(const ImuSample& sample) {
 void AttitudeEkf::continue_with(const ImuSample& sample) {
   const SensorDuration interval = sample.time - state_.last->time;
   const double interval_s = to_seconds(interval);
-  state_.plausibility.update(sample.gyro_rad_s, sample.accel_m_s2, interval_s);
   if (interval > parameters_.longest_bridge) {
     ++state_.counts.restarts;
     restart_tilt(sample);
@@ -192,7 +193,7 @@ IntervalNoise AttitudeEkf::noise_of(const Eigen::Vector3d& gyro_rad_s,
 
 void AttitudeEkf::account_for_lost_axes(const ImuSample& sample, double interval_s,
                                         Eigen::Vector3d& gyro_rad_s, IntervalNoise& noise) {
-  const auto losses = state_.lost_gyro_axes.update(sample.gyro_rad_s, interval_s);
+  const AxisLosses& losses = state_.lost_gyro_axes.update(sample.gyro_rad_s, interval_s);
   bool any_is_lost = false;
   for (Eigen::Index i = 0; i < 3; ++i) {
     const AxisLoss loss = losses[static_cast<std::size_t>(i)];

@@ -5,7 +5,7 @@
 
 namespace gimbal {
 
-std::array<AxisLoss, 3> LostAxes::update(const Eigen::Vector3d& values, double interval_s) {
+const AxisLosses& LostAxes::update(const Eigen::Vector3d& values, double interval_s) {
   const double forget = -std::expm1(-interval_s / parameters_.stuck_after_s);
   for (std::size_t i = 0; i < axes_.size(); ++i) {
     Axis& axis = axes_[i];
@@ -16,9 +16,8 @@ std::array<AxisLoss, 3> LostAxes::update(const Eigen::Vector3d& values, double i
     axis.value = value;
     axis.largest = std::max(axis.largest, std::abs(value));
   }
-  std::array<AxisLoss, 3> losses{};
-  for (std::size_t i = 0; i < losses.size(); ++i) losses[i] = loss_of(i);
-  return losses;
+  for (std::size_t i = 0; i < losses_.size(); ++i) losses_[i] = loss_of(i);
+  return losses_;
 }
 
 AxisLoss LostAxes::loss_of(std::size_t axis) const {

@@ -24,16 +24,20 @@ inline constexpr LostAxesParameters kLostAccelAxes{15, 0.008, 1, 0.03};
 
 /// Why an axis does not measure.
 enum class AxisLoss : std::uint8_t { none, clipped, stuck };
+using AxisLosses = std::array<AxisLoss, 3>;
 
 /// Finds axes of a gyroscope or an accelerometer that do not measure: at the end of their range, or
-/// stuck. A sensor's range
-/// need not be known: a clipped axis repeats the largest value it has ever shown.
+/// stuck. A sensor's range need not be known: a clipped axis repeats the largest value it has ever
+/// shown.
 class LostAxes {
  public:
   explicit LostAxes(const LostAxesParameters& parameters) : parameters_(parameters) {}
 
   /// Takes the next sample.
-  std::array<AxisLoss, 3> update(const Eigen::Vector3d& values, double interval_s);
+  const AxisLosses& update(const Eigen::Vector3d& values, double interval_s);
+
+  /// At the last sample.
+  [[nodiscard]] const AxisLosses& losses() const { return losses_; }
 
  private:
   struct Axis {
@@ -46,6 +50,7 @@ class LostAxes {
 
   LostAxesParameters parameters_;
   std::array<Axis, 3> axes_;
+  AxisLosses losses_{};
 };
 
 }  // namespace gimbal

@@ -16,16 +16,18 @@ using std::chrono::milliseconds;
 
 constexpr double kDegree = std::numbers::pi / 180;
 
-/// A hand that turns back and forth about a level axis; 200 Hz.
+/// A hand that turns back and forth about a level axis, with the noise without which an axis would
+/// pass for stuck; 200 Hz.
 std::vector<ImuSample> hand(double duration_s) {
   std::vector<ImuSample> samples;
   for (int i = 0; i * 0.005 < duration_s; ++i) {
     const double t = 0.005 * i;
     const double angle = 0.4 * std::sin(3 * t);
     const Eigen::Vector3d up(0, std::sin(angle), std::cos(angle));
+    const double noise = 0.001 * std::sin(700.0 * i);
     samples.push_back({SensorTime(milliseconds(5 * i)),
-                       {1.2 * std::cos(3 * t), 0.01, -0.02},
-                       kGravity_m_s2 * up});
+                       {1.2 * std::cos(3 * t), 0.01 + noise, -0.02 + noise},
+                       Eigen::Vector3d(kGravity_m_s2 * up + Eigen::Vector3d(noise, 0, 0))});
   }
   return samples;
 }
