@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <numbers>
 #include <random>
@@ -15,6 +14,7 @@
 #include <vector>
 
 #include "pipeline/smoother/attitude_stream.hpp"
+#include "tests/support/orientation_trial.hpp"
 #include "tests/support/vqf.hpp"
 
 namespace gimbal {
@@ -281,44 +281,21 @@ INSTANTIATE_TEST_SUITE_P(Pilots, Flight,
                                            FlightCase{"cruise", cruise, 8}),
                          [](const auto& test) { return test.param.name; });
 
-/// Rows of numbers under a line of names.
-std::vector<std::vector<double>> read_numbers(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  std::string line;
-  std::getline(file, line);
-  std::vector<std::vector<double>> rows;
-  while (std::getline(file, line)) {
-    std::vector<double>& row = rows.emplace_back();
-    std::stringstream fields(line);
-    for (std::string field; std::getline(fields, field, ',');) row.push_back(std::stod(field));
-  }
-  return rows;
-}
-
 // Inclination by its authors' own program, from the table beside the recordings.
 TEST(Peer, IsWhatItsAuthorsPublished) {
   const std::filesystem::path trial = std::filesystem::path(GIMBALD_SHARED) /
                                       "data/orientation/broad-10_undisturbed_slow_translation_A";
   if (!std::filesystem::exists(trial)) GTEST_SKIP() << "no recordings in GIMBALD_SHARED_DIR";
   constexpr double kPublished_deg = 0.2991;
-  const auto gyro = read_numbers(trial / "gyro.csv");
-  const auto accel = read_numbers(trial / "accel.csv");
-  const auto truth = read_numbers(trial / "truth.csv");
-  const double interval_s =
-      (gyro.back()[0] - gyro.front()[0]) / static_cast<double>(gyro.size() - 1);
-  Vqf vqf(interval_s);
+  const auto [name, samples, truth] = test::read_orientation_trial(trial);
+  Vqf vqf(to_seconds(samples.back().time - samples.front().time) /
+          static_cast<double>(samples.size() - 1));
   double sum = 0;
   int count = 0;
-  std::size_t next = 0;
-  for (std::size_t i = 0; i < gyro.size(); ++i) {
-    const Quaterniond q =
-        vqf.update({gyro[i][1], gyro[i][2], gyro[i][3]}, {accel[i][1], accel[i][2], accel[i][3]});
-    while (next < truth.size() && truth[next][0] < gyro[i][0] - interval_s / 2) ++next;
-    if (next == truth.size() || truth[next][0] > gyro[i][0] + interval_s / 2) continue;
-    const std::vector<double>& row = truth[next];
-    if (row[5] < 0.5 || !std::isfinite(row[1])) continue;
-    const Quaterniond q_true = Quaterniond(row[1], row[2], row[3], row[4]).normalized();
-    const double tilt = tilt_rad(q * q_true.conjugate());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Quaterniond q = vqf.update(samples[i].gyro_rad_s, *samples[i].accel_m_s2);
+    if (!truth[i] || !truth[i]->moves) continue;
+    const double tilt = tilt_rad(q * truth[i]->q_world_imu.conjugate());
     sum += tilt * tilt;
     ++count;
   }
