@@ -43,12 +43,21 @@ std::optional<double> read_within(TomlTable& table, std::string_view key, double
   return number;
 }
 
-void read_size(TomlTable& table, std::optional<ImageSize>& size) {
+void read_silence_limit(TomlTable& table, SensorDuration& limit) {
+  if (const auto silence = read_duration(table, "silence_limit_s", 0.1, kLongestSilence_s)) {
+    limit = *silence;
+  }
+}
+
+void read_live_camera(TomlTable& table, LiveCameraSettings& settings) {
   const auto width = table.integer("width", 1, kLargestSide_px);
   const auto height = table.integer("height", 1, kLargestSide_px);
-  if (width && height) size = ImageSize{*width, *height};
+  if (width && height) settings.size = ImageSize{*width, *height};
   if (width && !height) table.refuse("width", "needs height beside it");
   if (height && !width) table.refuse("height", "needs width beside it");
+  if (const auto fps = read_within(table, "fps", 0.1, kFastestCamera_hz)) settings.fps = fps;
+  if (auto format = table.text("pixel_format")) settings.pixel_format = *format;
+  read_silence_limit(table, settings.silence_limit);
 }
 
 void read_controls(TomlTable& table, std::map<std::string, std::int64_t>& controls) {
@@ -60,39 +69,27 @@ void read_controls(TomlTable& table, std::map<std::string, std::int64_t>& contro
   if (values->error()) table.refuse(*values->error());
 }
 
-void read_silence_limit(TomlTable& table, SensorDuration& limit) {
-  if (const auto silence = read_duration(table, "silence_limit_s", 0.1, kLongestSilence_s)) {
-    limit = *silence;
-  }
-}
-
 }  // namespace
 
 void read_v4l2(TomlTable& table, V4l2CameraSettings& settings) {
   if (auto device = table.text("device")) settings.device = *device;
-  read_size(table, settings.size);
-  if (const auto fps = read_within(table, "fps", 0.1, kFastestCamera_hz)) settings.fps = fps;
-  if (auto format = table.text("pixel_format")) settings.pixel_format = *format;
+  read_live_camera(table, settings);
   read_controls(table, settings.controls);
   if (const auto source = table.choice<StampSource>("stamp_source", kStampSources)) {
     settings.stamp_source = *source;
   }
-  read_silence_limit(table, settings.silence_limit);
   if (const auto buffers = table.integer("buffers", 2, kMostBuffers)) settings.buffers = *buffers;
 }
 
 void read_libcamera(TomlTable& table, LibcameraSettings& settings) {
   if (auto camera = table.text("camera")) settings.camera = *camera;
-  read_size(table, settings.size);
-  if (const auto fps = read_within(table, "fps", 0.1, kFastestCamera_hz)) settings.fps = fps;
-  if (auto format = table.text("pixel_format")) settings.pixel_format = *format;
+  read_live_camera(table, settings);
   if (auto controls = table.table("controls")) {
     for (const std::string& name : controls->keys()) {
       if (auto values = controls->numbers(name)) settings.controls[name] = std::move(*values);
     }
     if (controls->error()) table.refuse(*controls->error());
   }
-  read_silence_limit(table, settings.silence_limit);
 }
 
 void read_iio(TomlTable& table, IioImuSettings& settings) {

@@ -20,21 +20,6 @@ constexpr SensorDuration kLongestStart = std::chrono::seconds(5);
 /// In a row, after which it is no longer a matter of single pictures.
 constexpr int kMostRefused = 30;
 
-Result<void> check(const LibcameraSettings& settings) {
-  if (settings.size && (settings.size->width <= 0 || settings.size->height <= 0)) {
-    return bad_input(fmt::format("libcamera: size {}x{} has to be positive", settings.size->width,
-                                 settings.size->height));
-  }
-  if (settings.fps && !(*settings.fps > 0 && *settings.fps <= 1000)) {
-    return bad_input(
-        fmt::format("libcamera: fps is {}, and has to be above 0 and at most 1000", *settings.fps));
-  }
-  if (settings.silence_limit <= SensorDuration::zero()) {
-    return bad_input("libcamera: the silence limit has to be positive");
-  }
-  return {};
-}
-
 }  // namespace
 
 LibcameraSource::LibcameraSource(LibcameraSettings settings) : settings_(std::move(settings)) {}
@@ -185,7 +170,9 @@ Error LibcameraSource::at_camera(const Error& error) const {
 }
 
 Result<std::unique_ptr<CameraSource>> open_libcamera_camera(LibcameraSettings settings) {
-  if (auto checked = check(settings); !checked) return tl::unexpected(checked.error());
+  if (auto checked = check_live_camera("libcamera", settings); !checked) {
+    return tl::unexpected(checked.error());
+  }
   return std::make_unique<LibcameraSource>(std::move(settings));
 }
 

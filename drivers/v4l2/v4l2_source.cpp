@@ -26,18 +26,7 @@ Result<void> check(const V4l2CameraSettings& settings) {
     return bad_input(fmt::format("v4l2: buffers is {}, and has to be from {} to {}",
                                  settings.buffers, kFewestBuffers, kMostBuffers));
   }
-  if (settings.size && (settings.size->width <= 0 || settings.size->height <= 0)) {
-    return bad_input(fmt::format("v4l2: size {}x{} has to be positive", settings.size->width,
-                                 settings.size->height));
-  }
-  if (settings.fps && !(*settings.fps > 0 && *settings.fps <= 1000)) {
-    return bad_input(
-        fmt::format("v4l2: fps is {}, and has to be above 0 and at most 1000", *settings.fps));
-  }
-  if (settings.silence_limit <= SensorDuration::zero()) {
-    return bad_input("v4l2: the silence limit has to be positive");
-  }
-  return {};
+  return check_live_camera("v4l2", settings);
 }
 
 }  // namespace

@@ -69,7 +69,7 @@ def unit_of(path):
         return None
     if folders[0] in ("daemon", "tests"):
         return folders[0]
-    if re.fullmatch(r"drivers/(\w+_source|device_report|stop_event)\.hpp", path):
+    if re.fullmatch(r"drivers/(\w+_source|device_report|stop_event|live_camera_settings)\.[ch]pp", path):
         return "drivers/interface"
     return "/".join(folders[:2])
 
