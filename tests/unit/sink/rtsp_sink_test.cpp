@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <atomic>
+#include <filesystem>
 #include <thread>
 
 #include "tests/support/gst_playback.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace gimbal {
 namespace {
@@ -95,6 +97,26 @@ TEST(RtspSink, TwoClientsShareAStream) {
   EXPECT_EQ(watch((*sink)->url(), 15).buffers.size(), 15U);
   other.join();
   EXPECT_EQ(seen_by_other, 15U);
+}
+
+TEST(RtspSink, ClientsHearTheSoundBesideThePictures) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "heard.mkv";
+  RtspSettings settings = any_port();
+  settings.audio =
+      "audiotestsrc is-live=true samplesperbuffer=960 wave=ticks freq=3000 volume=0.9 "
+      "sine-periods-per-tick=30 ! audio/x-raw,rate=48000,channels=1";
+  auto sink = RtspSink::start(settings, live_format());
+  ASSERT_TRUE(sink) << sink.error().message;
+  const Filming filming(**sink);
+  test::run_pipeline(fmt::format(
+      "rtspsrc name=in location={} protocols=tcp latency=0 matroskamux name=muxer ! filesink "
+      "location={} in. ! rtph264depay ! h264parse ! identity eos-after=100 ! muxer. "
+      "in. ! rtpopusdepay ! opusparse ! identity eos-after=200 ! muxer.",
+      (*sink)->url(), file.string()));
+  const auto heard = test::sound_onsets(file);
+  ASSERT_GE(heard.size(), 3U);  // in 4 s
+  for (std::size_t i = 1; i < heard.size(); ++i) EXPECT_NEAR(heard[i] - heard[i - 1], 1, 0.1);
 }
 
 TEST(RtspSink, WritesWithoutClientsAndEndsAtOnce) {
