@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 #include <fmt/format.h>
+#include <malloc.h>
 
 #include <CLI/CLI.hpp>
 #include <chrono>
@@ -71,16 +72,33 @@ WallTime wall_now() {
   return std::chrono::time_point_cast<std::chrono::seconds>(std::chrono::system_clock::now());
 }
 
+/// Pools free the pictures that a hiccup made them hold; the allocator would keep them as holes in
+/// its heap.
+class MemoryReturn {
+ public:
+  void look(SensorTime now) {
+    if (now < next_) return;
+    ::malloc_trim(0);
+    next_ = now + kEvery;
+  }
+
+ private:
+  static constexpr SensorDuration kEvery = std::chrono::seconds(10);
+  SensorTime next_;
+};
+
 /// Until a signal or the pipeline's own end. The watchdog is fed only while pictures come out.
 void wait_for_end(LivePipeline& pipeline, Supervisor& daemon, BiasMemory& memory,
                   const sigset_t& signals) {
   const timespec look{0, std::chrono::nanoseconds(kLook).count()};
   std::uint64_t progress_seen = 0;
+  MemoryReturn memory_return;
   while (!pipeline.has_ended()) {
     const int signal = sigtimedwait(&signals, nullptr, &look);
     if (signal == SIGINT || signal == SIGTERM) return;
     if (signal == SIGHUP) static_cast<void>(reload(daemon));
     memory.keep(pipeline.gyro_bias(), wall_now());
+    memory_return.look(monotonic_now());
     if (pipeline.progress() == progress_seen) continue;
     progress_seen = pipeline.progress();
     const LiveCounts counts = pipeline.counts();

@@ -14,6 +14,9 @@
 namespace gimbal {
 namespace {
 
+/// Some seconds of video.
+constexpr std::size_t kRememberedFrames = 300;
+
 ImageSize size_of(const GstVideoInfo& info) {
   return {GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)};
 }
@@ -65,6 +68,7 @@ Result<void> ReplayCamera::start() {
   coded_count_ = coded->frame_count;
   coded_times_ = usable_times(std::move(coded->frame_times));
   decoder_ = *std::move(decoder);
+  gauge_ = std::make_shared<SurplusGauge>(kRememberedFrames);
   begin();
   return {};
 }
@@ -99,7 +103,7 @@ Result<std::optional<VideoFrame>> ReplayCamera::read() {
     if (*picture == nullptr) {
       end_of_video();
     } else if (is_wanted(media_time_of(picture->get()))) {
-      return deliver(map_frame(picture->get(), stamps_[next_]));
+      return deliver(map_frame(picture->get(), stamps_[next_], gauge_));
     }
   }
   return std::nullopt;

@@ -11,6 +11,7 @@
 
 namespace gimbal {
 
+class SurplusGauge;
 class VideoDecoder;
 
 /// The frames of a recording. Each picture gets the stamp of the recording's frame list that has
@@ -73,6 +74,7 @@ class ReplayCamera final : public CameraSource {
   double fps_;
   CameraFormat format_;
   std::unique_ptr<VideoDecoder> decoder_;
+  std::shared_ptr<SurplusGauge> gauge_;      ///< of the decoder's pictures
   std::int64_t coded_count_ = 0;             ///< pictures in the file, decodable or not
   std::vector<SensorDuration> coded_times_;  ///< of these, rising strictly; empty if not known
   std::size_t next_ = 0;                     ///< of the stamps

@@ -25,9 +25,9 @@ void release_storage(gpointer storage) {
   delete static_cast<std::shared_ptr<const void>*>(storage);
 }
 
-GstMemory* wrap_plane(const VideoFrame& frame, const ConstPlane& plane, std::size_t bytes) {
+GstMemory* wrap_memory(const VideoFrame& frame, const std::uint8_t* from, std::size_t bytes) {
   // The flag keeps GStreamer from writing through the pointer that its interface wants mutable.
-  auto* data = const_cast<std::uint8_t*>(plane.data);
+  auto* data = const_cast<std::uint8_t*>(from);
   auto* storage = new std::shared_ptr<const void>(frame.storage);
   return gst_memory_new_wrapped(GST_MEMORY_FLAG_READONLY, data, bytes, 0, bytes, storage,
                                 release_storage);
@@ -36,11 +36,18 @@ GstMemory* wrap_plane(const VideoFrame& frame, const ConstPlane& plane, std::siz
 /// Keeps a buffer mapped for as long as a frame points into it.
 class MappedBuffer {
  public:
-  MappedBuffer(GstBuffer* buffer, const GstVideoInfo& info)
-      : is_mapped_(gst_video_frame_map(&mapped_, &info, buffer, GST_MAP_READ) != FALSE) {}
+  MappedBuffer(GstBuffer* buffer, const GstVideoInfo& info, std::shared_ptr<SurplusGauge> gauge)
+      : is_mapped_(gst_video_frame_map(&mapped_, &info, buffer, GST_MAP_READ) != FALSE),
+        gauge_(std::move(gauge)) {
+    gauge_->lent();
+  }
   MappedBuffer(const MappedBuffer&) = delete;
   MappedBuffer& operator=(const MappedBuffer&) = delete;
   ~MappedBuffer() {
+    // A pool takes back no buffer whose memory seems to have been changed.
+    if (gauge_->returned_for_good() && is_mapped_) {
+      GST_BUFFER_FLAG_SET(mapped_.buffer, GST_BUFFER_FLAG_TAG_MEMORY);
+    }
     if (is_mapped_) {
       gst_video_frame_unmap(&mapped_);
     }
@@ -55,6 +62,7 @@ class MappedBuffer {
  private:
   GstVideoFrame mapped_{};
   bool is_mapped_;
+  std::shared_ptr<SurplusGauge> gauge_;
 };
 
 }  // namespace
@@ -93,10 +101,19 @@ GstBufferPtr wrap_frame(const VideoFrame& frame) {
   const auto [luma, chroma] = frame.planes;
   const std::size_t luma_bytes = bytes_spanned(shapes[0], luma.stride_bytes);
   const std::size_t chroma_bytes = bytes_spanned(shapes[1], chroma.stride_bytes);
+  const std::ptrdiff_t luma_rows_bytes = luma.stride_bytes * shapes[0].rows;
+  const bool is_one_piece = chroma.data == luma.data + luma_rows_bytes;
+  const std::size_t chroma_offset =
+      is_one_piece ? static_cast<std::size_t>(luma_rows_bytes) : luma_bytes;
   GstBufferPtr buffer(gst_buffer_new());
-  gst_buffer_append_memory(buffer.get(), wrap_plane(frame, luma, luma_bytes));
-  gst_buffer_append_memory(buffer.get(), wrap_plane(frame, chroma, chroma_bytes));
-  gsize offsets[GST_VIDEO_MAX_PLANES] = {0, luma_bytes};
+  if (is_one_piece) {
+    gst_buffer_append_memory(buffer.get(),
+                             wrap_memory(frame, luma.data, chroma_offset + chroma_bytes));
+  } else {
+    gst_buffer_append_memory(buffer.get(), wrap_memory(frame, luma.data, luma_bytes));
+    gst_buffer_append_memory(buffer.get(), wrap_memory(frame, chroma.data, chroma_bytes));
+  }
+  gsize offsets[GST_VIDEO_MAX_PLANES] = {0, chroma_offset};
   gint strides[GST_VIDEO_MAX_PLANES] = {static_cast<gint>(luma.stride_bytes),
                                         static_cast<gint>(chroma.stride_bytes)};
   gst_buffer_add_video_meta_full(buffer.get(), GST_VIDEO_FRAME_FLAG_NONE, GST_VIDEO_FORMAT_NV12,
@@ -105,13 +122,15 @@ GstBufferPtr wrap_frame(const VideoFrame& frame) {
   return buffer;
 }
 
-std::optional<VideoFrame> map_frame(GstSample* sample, const FrameStamp& stamp) {
+std::optional<VideoFrame> map_frame(GstSample* sample, const FrameStamp& stamp,
+                                    std::shared_ptr<SurplusGauge> gauge) {
   const GstCaps* caps = gst_sample_get_caps(sample);
   GstVideoInfo info;
   if (!gst_video_info_from_caps(&info, caps)) {
     return std::nullopt;
   }
-  auto mapped = std::make_shared<const MappedBuffer>(gst_sample_get_buffer(sample), info);
+  auto mapped =
+      std::make_shared<const MappedBuffer>(gst_sample_get_buffer(sample), info, std::move(gauge));
   if (!mapped->is_mapped()) {
     return std::nullopt;
   }

@@ -2,7 +2,10 @@
 
 #include <gst/video/video.h>
 
+#include <memory>
+
 #include "pipeline/gstreamer/gst_runtime.hpp"
+#include "pipeline/queue/surplus_gauge.hpp"
 #include "pipeline/sample/video_frame.hpp"
 
 namespace gimbal {
@@ -15,12 +18,15 @@ namespace gimbal {
 /// name, is `left`, as most codecs have it.
 [[nodiscard]] ColorInfo color_of(const GstCaps* caps);
 
-/// A read-only buffer over the frame's own memory, with its strides as GstVideoMeta; it keeps the
-/// frame's storage until GStreamer lets go of it. Presentation time and duration are not set.
+/// A read-only buffer over the frame's own memory, in one piece where the planes are, with its
+/// strides as GstVideoMeta; it keeps the frame's storage until GStreamer lets go of it.
+/// Presentation time and duration are not set.
 [[nodiscard]] GstBufferPtr wrap_frame(const VideoFrame& frame);
 
 /// The NV12 picture of a sample with the stamp given, over the sample's own memory, which the frame
-/// keeps. Nothing if the sample does not hold what its caps say.
-[[nodiscard]] std::optional<VideoFrame> map_frame(GstSample* sample, const FrameStamp& stamp);
+/// keeps. `gauge`: of the pool that the memory goes back to. Nothing if the sample does not hold
+/// what its caps say.
+[[nodiscard]] std::optional<VideoFrame> map_frame(GstSample* sample, const FrameStamp& stamp,
+                                                  std::shared_ptr<SurplusGauge> gauge);
 
 }  // namespace gimbal

@@ -39,6 +39,17 @@ bool consumer_knows_strides(GstPad* pad) {
   return is_known;
 }
 
+/// Whether the picture lies as GStreamer lays out NV12 by default.
+bool is_packed(GstBuffer* buffer, const GstVideoInfo& info) {
+  const GstVideoMeta* meta = gst_buffer_get_video_meta(buffer);
+  bool is_same = gst_buffer_get_size(buffer) == GST_VIDEO_INFO_SIZE(&info);
+  for (guint plane = 0; plane < GST_VIDEO_INFO_N_PLANES(&info); ++plane) {
+    is_same = is_same && meta->offset[plane] == GST_VIDEO_INFO_PLANE_OFFSET(&info, plane) &&
+              meta->stride[plane] == GST_VIDEO_INFO_PLANE_STRIDE(&info, plane);
+  }
+  return is_same;
+}
+
 /// A copy in the layout that GStreamer gives to NV12 by default.
 GstBuffer* repacked(GstBuffer* buffer, const GstVideoInfo& info) {
   GstBuffer* packed = gst_buffer_new_allocate(nullptr, GST_VIDEO_INFO_SIZE(&info), nullptr);
@@ -67,8 +78,8 @@ struct GstreamerSink::FrameGate {
     if (!gate.knows_strides) {
       gate.knows_strides = consumer_knows_strides(pad);
     }
-    if (!*gate.knows_strides) {
-      GstBuffer* frame = GST_PAD_PROBE_INFO_BUFFER(probe);
+    GstBuffer* frame = GST_PAD_PROBE_INFO_BUFFER(probe);
+    if (!*gate.knows_strides && !is_packed(frame, gate.info)) {
       GST_PAD_PROBE_INFO_DATA(probe) = repacked(frame, gate.info);
       gst_buffer_unref(frame);
     }

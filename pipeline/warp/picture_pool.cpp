@@ -1,12 +1,23 @@
 #include "pipeline/warp/picture_pool.hpp"
 
+#include <cstddef>
 #include <mutex>
 #include <utility>
 #include <vector>
 
+#include "pipeline/queue/surplus_gauge.hpp"
+
 namespace gimbal {
 
+namespace {
+
+/// Some seconds of video.
+constexpr std::size_t kRemembered = 300;
+
+}  // namespace
+
 struct PicturePool::Shelf {
+  SurplusGauge gauge{kRemembered};
   std::mutex mutex;
   std::vector<Nv12Buffer> pictures;
 };
@@ -32,8 +43,10 @@ VideoFrame PicturePool::publish(Nv12Buffer picture, FrameStamp stamp, ColorInfo 
   frame.planes = {{{picture.luma().data, picture.luma().stride_bytes},
                    {picture.chroma().data, picture.chroma().stride_bytes}}};
   auto lent = std::make_unique<Nv12Buffer>(std::move(picture));
+  shelf_->gauge.lent();
   frame.storage = std::shared_ptr<const void>(lent.release(), [shelf = shelf_](const void* memory) {
     const std::unique_ptr<const Nv12Buffer> returned(static_cast<const Nv12Buffer*>(memory));
+    if (shelf->gauge.returned_for_good()) return;
     const std::scoped_lock lock(shelf->mutex);
     shelf->pictures.push_back(*returned);
   });
