@@ -12,7 +12,9 @@
 namespace gimbal {
 namespace {
 
-constexpr int kPatience_s = 10;
+constexpr int kConnectPatience_s = 10;
+/// A recording begins and ends with what is safe on the disk, and a card may take its time.
+constexpr int kAnswerPatience_s = 60;
 constexpr int kOk = 200;
 constexpr int kServerError = 500;
 
@@ -68,10 +70,13 @@ std::string reason_in(const httplib::Response& response) {
 Result<std::string> ask_daemon(const DaemonAddress& daemon, const std::string& method,
                                const std::string& path, const std::string& body) {
   const auto client = connect(daemon);
-  client->set_connection_timeout(kPatience_s);
-  client->set_read_timeout(kPatience_s);
+  client->set_connection_timeout(kConnectPatience_s);
+  client->set_read_timeout(kAnswerPatience_s);
   const auto response =
       method == "GET" ? client->Get(path) : client->Post(path, body, "application/json");
+  if (response.error() == httplib::Error::Read) {
+    return failed("the daemon took the question and gave no answer; see journalctl -u gimbald");
+  }
   if (!response) return bad_input(obstacle(daemon));
   if (response->status == kOk) return response->body;
   if (response->status >= kServerError) return failed(reason_in(*response));

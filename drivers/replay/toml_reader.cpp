@@ -131,8 +131,7 @@ Result<TomlTable> TomlTable::parse(const std::string& text, const std::string& o
   } catch (const toml::parse_error& error) {
     std::string reason(error.description());
     std::replace(reason.begin(), reason.end(), '\n', ' ');
-    return bad_input(
-        fmt::format("{}, line {}: {}", origin, error.source().begin.line, reason));
+    return bad_input(fmt::format("{}, line {}: {}", origin, error.source().begin.line, reason));
   }
   return TomlTable(std::move(state));
 }

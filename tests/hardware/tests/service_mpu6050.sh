@@ -12,13 +12,15 @@ have_sampled() { (($(status_of .imu.samples) >= $1)); }
 
 # "before after" of each edge, on CLOCK_MONOTONIC, of which the kernel prints hundredths
 keep_data_ready() {
-  local before after
+  local before after never
+  mkfifo "$scratch/never"
+  exec {never}<>"$scratch/never"
   while true; do
     read -r before _ </proc/uptime
     pull 1 up
     read -r after _ </proc/uptime
     echo "$before $after"
-    sleep 0.0$((RANDOM % 10))
+    read -r -t 0.0$((1 + RANDOM % 9)) -u "$never" || true  # a sleep that starts no process
     pull 1 down
   done
 }
