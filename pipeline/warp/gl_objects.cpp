@@ -89,7 +89,7 @@ Result<GlProgram> make_program(std::string_view vertex, std::string_view fragmen
   if (!vertex_shader) return tl::unexpected(vertex_shader.error());
   const auto fragment_shader =
       compile(GL_FRAGMENT_SHADER, "fragment",
-              fmt::format("#version 100\n{}{}{}", kPrecision, defines, fragment));
+              fmt::format("#version 100\n{}{}{}", defines, kPrecision, fragment));
   if (!fragment_shader) return tl::unexpected(fragment_shader.error());
   GlProgram program(glCreateProgram());
   glAttachShader(program.name(), vertex_shader->name());

@@ -81,7 +81,8 @@ void set_uniform(const GlProgram& program, const char* name, ImageSize size);
 [[nodiscard]] GlFramebuffer make_framebuffer(const GlTexture& target);
 [[nodiscard]] bool is_complete(const GlFramebuffer& framebuffer);
 
-/// Sources in GLSL ES 1.00, which both GLES 2 and 3 take. `defines` comes before both. The error
+/// Sources in GLSL ES 1.00, which both GLES 2 and 3 take. `defines` (and extensions) come before
+/// both. The error
 /// has the compiler's own first line.
 [[nodiscard]] Result<GlProgram> make_program(std::string_view vertex, std::string_view fragment,
                                              const std::string& defines);

@@ -139,12 +139,12 @@ bool is_software_renderer(std::string_view gl_renderer) {
 }
 
 Result<std::unique_ptr<Warper>> make_gles_warper(ImageSize source, ImageSize output,
-                                                 GlesVersion version) {
+                                                 Interpolation interpolation, GlesVersion version) {
   auto context = EglContext::create(version);
   if (!context) return tl::unexpected(context.error());
   glDisable(GL_DITHER);  // on by default, and would add noise to the picture
   const int gles_version = (*context)->major_version();
-  auto painter = MeshPainter::create(texture_channels(gles_version));
+  auto painter = MeshPainter::create(texture_channels(gles_version), interpolation);
   if (!painter) return tl::unexpected(painter.error());
   const auto readback = choose_readback(*painter, gles_version);
   if (!readback) return tl::unexpected(readback.error());

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "pipeline/warp/sample_grid.hpp"
 #include "pipeline/warp/shaders.hpp"
 
 namespace gimbal {
@@ -17,31 +18,41 @@ void fill_buffer(GLenum target, const GlBuffer& buffer, const std::vector<T>& co
                GL_STREAM_DRAW);
 }
 
-Result<GlProgram> make_mesh_program(const std::string& defines) {
-  return make_program(shaders::kMeshVertex, shaders::kMeshFragment, defines);
-}
-
 }  // namespace
 
-MeshPainter::MeshPainter(GlProgram clamped, GlProgram mirrored)
+MeshPainter::MeshPainter(Programs clamped, Programs mirrored)
     : clamped_(std::move(clamped)),
       mirrored_(std::move(mirrored)),
       vertices_(make_buffer()),
       triangles_(make_buffer()) {}
 
-Result<MeshPainter> MeshPainter::create(const std::string& channels) {
-  const std::string defines = "#define CHANNELS " + channels + "\n";
-  auto clamped = make_mesh_program(defines);
+Result<MeshPainter> MeshPainter::create(const std::string& channels, Interpolation interpolation) {
+  std::string defines = "#define CHANNELS " + channels + "\n";
+  if (interpolation == Interpolation::bicubic) defines += "#define BICUBIC\n";
+  auto clamped = make_programs(defines);
   if (!clamped) return tl::unexpected(clamped.error());
-  auto mirrored = make_mesh_program(defines + "#define MIRROR\n");
+  auto mirrored = make_programs(defines + "#define MIRROR\n");
   if (!mirrored) return tl::unexpected(mirrored.error());
   return MeshPainter(std::move(*clamped), std::move(*mirrored));
 }
 
+Result<MeshPainter::Programs> MeshPainter::make_programs(const std::string& defines) {
+  auto plain = make_program(shaders::kMeshVertex, shaders::kMeshFragment, defines);
+  if (!plain) return tl::unexpected(plain.error());
+  // GLES 2 promises no derivatives; without them the shader goes on with one sample a pixel.
+  const std::string extension = "#extension GL_OES_standard_derivatives : enable\n";
+  auto shrinking = make_program(shaders::kMeshVertex, shaders::kMeshFragment,
+                                extension + "#define SHRINKING\n" + defines);
+  if (!shrinking) return tl::unexpected(shrinking.error());
+  return Programs{std::move(*plain), std::move(*shrinking)};
+}
+
 void MeshPainter::draw(const WarpMesh& mesh, const std::vector<MeshVertex>& vertices,
                        ImageSize source, ImageSize output) {
-  const GlProgram& program = mesh.border == Border::mirror ? mirrored_ : clamped_;
+  const Programs& programs = mesh.border == Border::mirror ? mirrored_ : clamped_;
+  const GlProgram& program = shrinks(mesh) ? programs.shrinking : programs.plain;
   glUseProgram(program.name());
+  set_uniform(program, "picture_size", source);
   set_uniform(program, "source_size", source);
   set_uniform(program, "output_size", output);
   fill_buffer(GL_ARRAY_BUFFER, vertices_, vertices);

@@ -10,6 +10,9 @@ namespace {
 constexpr double kLongestStepPx = 1 << 14;
 constexpr double kFarthestPx = 1 << 30;
 
+/// Tall enough to cost more than handing them out, short enough that all threads end together.
+constexpr int kBandRows = 128;
+
 FixedPoint to_fixed(const Eigen::Vector2d& point) {
   const Eigen::Vector2d held = point.cwiseMax(-kFarthestPx).cwiseMin(kFarthestPx);
   return {to_fixed_px(held.x()), to_fixed_px(held.y())};
@@ -17,8 +20,7 @@ FixedPoint to_fixed(const Eigen::Vector2d& point) {
 
 /// A triangle with longer steps is as good as a line: should it hit the centre of a pixel at all,
 /// that gets a point of the triangle.
-AffineMap fixed_map(const MeshTriangle& triangle) {
-  const Eigen::Matrix<double, 2, 3> map = triangle.source_map();
+AffineMap fixed_map(const MeshTriangle& triangle, const Eigen::Matrix<double, 2, 3>& map) {
   const bool fits = (map.leftCols<2>().array().abs() <= kLongestStepPx).all();
   if (!fits) return {to_fixed(triangle.source_middle()), {0, 0}, {0, 0}};
   return {to_fixed(map.col(2)), to_fixed(map.col(0)), to_fixed(map.col(1))};
@@ -32,62 +34,85 @@ double twice_area(const MeshVertex& a, const MeshVertex& b, const MeshVertex& c)
 
 }  // namespace
 
-PlaneDrawing::PlaneDrawing(const WarpMesh& mesh, Plane plane, const VideoFrame& source,
-                           MutablePlane output, std::array<std::uint8_t, 2> black)
-    : plane_(plane),
-      source_{source.planes[static_cast<std::size_t>(plane)], plane_size(source.size, plane),
-              mesh.border},
-      output_(output),
-      size_(plane_size(mesh.output_size, plane)),
-      black_(black) {
-  const std::vector<MeshVertex> vertices = plane_vertices(mesh, plane, source.color.chroma_siting);
-  pieces_.reserve(mesh.triangles.size() / 3);
+void PlaneDrawing::begin(const WarpMesh& mesh, const VideoFrame& source, MutablePlane output,
+                         std::array<std::uint8_t, 2> black) {
+  source_ = {source.planes[static_cast<std::size_t>(plane_)], plane_size(source.size, plane_),
+             mesh.border};
+  output_ = output;
+  size_ = plane_size(mesh.output_size, plane_);
+  black_ = black;
+  const std::vector<MeshVertex> vertices = plane_vertices(mesh, plane_, source.color.chroma_siting);
+  pieces_.clear();
+  is_folded_ = false;
   for (std::size_t i = 0; i + 2 < mesh.triangles.size(); i += 3) {
     const MeshVertex& a = vertices[mesh.triangles[i]];
     const MeshVertex& b = vertices[mesh.triangles[i + 1]];
     const MeshVertex& c = vertices[mesh.triangles[i + 2]];
     const MeshTriangle triangle(a, b, c);
-    pieces_.push_back({triangle, fixed_map(triangle)});
+    const Eigen::Matrix<double, 2, 3> map = triangle.source_map();
+    pieces_.push_back(
+        {triangle, fixed_map(triangle, map), samples_for(map.col(0).norm(), map.col(1).norm())});
     is_folded_ = is_folded_ || twice_area(a, b, c) < 0;
+  }
+  part_into_bands();
+}
+
+void PlaneDrawing::part_into_bands() {
+  bands_.resize(static_cast<std::size_t>((size_.height + kBandRows - 1) / kBandRows));
+  int begin = 0;
+  for (Band& band : bands_) {
+    band.rows = {begin, std::min(begin + kBandRows, size_.height)};
+    begin = band.rows.end;
   }
 }
 
-void PlaneDrawing::draw(RowRange rows) const {
-  std::vector<Span> spans;
-  std::vector<std::size_t> ends;  // of each piece's spans
-  ends.reserve(pieces_.size());
-  for (const Piece& piece : pieces_) {
-    piece.triangle.for_each_span(size_, rows, [&](int y, int x_begin, int x_end) {
-      spans.push_back({y, x_begin, x_end});
-    });
-    ends.push_back(spans.size());
-  }
-  blacken(rows, spans);
+void PlaneDrawing::draw(int index) {
+  Band& band = bands_[static_cast<std::size_t>(index)];
+  find_spans(band);
+  blacken(band);
   std::size_t begin = 0;
   for (std::size_t i = 0; i < pieces_.size(); ++i) {
-    const std::span own = std::span(spans).subspan(begin, ends[i] - begin);
-    if (!own.empty()) paint_spans(plane_, source_, pieces_[i].map, own, output_);
-    begin = ends[i];
+    const std::span own = std::span(band.spans).subspan(begin, band.ends[i] - begin);
+    if (!own.empty()) paint(pieces_[i], own, band);
+    begin = band.ends[i];
   }
+}
+
+void PlaneDrawing::find_spans(Band& band) const {
+  band.spans.clear();
+  band.ends.clear();
+  for (const Piece& piece : pieces_) {
+    piece.triangle.for_each_span(size_, band.rows, [&](int y, int x_begin, int x_end) {
+      band.spans.push_back({y, x_begin, x_end});
+    });
+    band.ends.push_back(band.spans.size());
+  }
+}
+
+void PlaneDrawing::paint(const Piece& piece, std::span<const Span> spans, Band& band) const {
+  if (piece.grid.is_single()) {
+    return paint_spans(plane_, interpolation_, source_, piece.map, spans, output_);
+  }
+  band.area_painter.paint(plane_, interpolation_, source_, piece.map, piece.grid, spans, output_);
 }
 
 /// Only where no triangle draws, if that can be told from the spans alone.
-void PlaneDrawing::blacken(RowRange rows, const std::vector<Span>& spans) const {
+void PlaneDrawing::blacken(const Band& band) const {
   struct DrawnPart {
     int begin;
-    int end;
-    int pixels;
+    int end = 0;
+    int pixels = 0;
   };
-  std::vector<DrawnPart> parts(static_cast<std::size_t>(rows.end - rows.begin),
-                               {size_.width, 0, 0});
-  for (const Span& span : spans) {
-    DrawnPart& part = parts[static_cast<std::size_t>(span.y - rows.begin)];
+  std::array<DrawnPart, kBandRows> parts;
+  parts.fill({size_.width});
+  for (const Span& span : band.spans) {
+    DrawnPart& part = parts[static_cast<std::size_t>(span.y - band.rows.begin)];
     part.begin = std::min(part.begin, span.x_begin);
     part.end = std::max(part.end, span.x_end);
     part.pixels += span.x_end - span.x_begin;
   }
-  for (int y = rows.begin; y < rows.end; ++y) {
-    const DrawnPart& part = parts[static_cast<std::size_t>(y - rows.begin)];
+  for (int y = band.rows.begin; y < band.rows.end; ++y) {
+    const DrawnPart& part = parts[static_cast<std::size_t>(y - band.rows.begin)];
     const bool without_gap = !is_folded_ && part.pixels == part.end - part.begin;
     blacken({y, 0, without_gap ? part.begin : size_.width});
     if (without_gap) blacken({y, part.end, size_.width});

@@ -1,45 +1,64 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
+#include "pipeline/warp/area_painter.hpp"
 #include "pipeline/warp/mesh_triangle.hpp"
 #include "pipeline/warp/plane_vertices.hpp"
 #include "pipeline/warp/span_painter.hpp"
 
 namespace gimbal {
 
-/// One plane of a frame that is to be drawn through a mesh on the CPU. Its rows can be drawn in any
-/// order and on several threads at once.
+/// Draws one plane of pictures through meshes on the CPU, band of rows by band of rows. Keeps its
+/// memory from one picture to the next.
 class PlaneDrawing {
  public:
-  /// `source` and the output's memory have to stay. `black` is a pixel of the plane: luma uses the
-  /// first byte.
-  PlaneDrawing(const WarpMesh& mesh, Plane plane, const VideoFrame& source, MutablePlane output,
-               std::array<std::uint8_t, 2> black);
+  PlaneDrawing(Plane plane, Interpolation interpolation)
+      : plane_(plane), interpolation_(interpolation) {}
 
-  /// Of the output plane, in pixels.
-  [[nodiscard]] ImageSize size() const { return size_; }
+  /// What is drawn from now on. `source` and the output's memory have to stay until it is. `black`
+  /// is a pixel of the plane: luma uses the first byte.
+  void begin(const WarpMesh& mesh, const VideoFrame& source, MutablePlane output,
+             std::array<std::uint8_t, 2> black);
 
-  void draw(RowRange rows) const;
+  [[nodiscard]] int bands() const { return static_cast<int>(bands_.size()); }
+
+  /// Different bands can be drawn in any order and on several threads at once.
+  void draw(int band);
 
  private:
   struct Piece {
     MeshTriangle triangle;
     AffineMap map;
+    SampleGrid grid;
   };
 
-  void blacken(RowRange rows, const std::vector<Span>& spans) const;
+  /// What a thread needs while it draws a band.
+  struct Band {
+    RowRange rows;
+    std::vector<Span> spans;
+    std::vector<std::size_t> ends;  ///< of each piece's spans
+    AreaPainter area_painter;
+  };
+
+  void part_into_bands();
+  void find_spans(Band& band) const;
+  void paint(const Piece& piece, std::span<const Span> spans, Band& band) const;
+  void blacken(const Band& band) const;
   void blacken(Span span) const;
 
   Plane plane_;
-  SourcePlane source_;
+  Interpolation interpolation_;
+  SourcePlane source_{};
   MutablePlane output_;
-  ImageSize size_;
-  std::array<std::uint8_t, 2> black_;
+  ImageSize size_;  ///< of the output plane, in pixels
+  std::array<std::uint8_t, 2> black_{};
   std::vector<Piece> pieces_;
   bool is_folded_ = false;  ///< some triangle is turned over and lies on others
+  std::vector<Band> bands_;
 };
 
 }  // namespace gimbal

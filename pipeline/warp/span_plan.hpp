@@ -30,32 +30,35 @@ struct BlockPlan {
   static constexpr int kMostBytes = 64;  ///< of a vector
   static constexpr int kMostTables = 2;  ///< of a vector, each for its share of the output
 
-  /// Added to the fraction of the first sample's column; counted from the start of its table.
+  /// Added to the fraction of the first sample's column; whole parts count from the table's start
+  /// to the kernel's first tap.
   alignas(kMostBytes) std::array<std::uint16_t, kMostBytes / 2> columns;
   /// Added to the fraction of the uppermost sample's row.
   alignas(kMostBytes) std::array<std::uint16_t, kMostBytes / 2> rows;
   /// Where the tables start in the row: bytes from the first sample.
   std::array<std::ptrdiff_t, kMostTables> table_starts;
-  FixedPx row_shift;  ///< from the first sample to the uppermost of the block
+  FixedPx row_shift;  ///< from the first sample to the uppermost of the block, taps aside
 };
 
-/// False where the samples of a block lie too far apart for its tables or for three rows of the
-/// source; the plan is of no use then. `step` is from one output pixel to the next, at most 2^14
-/// pixels.
-template <int kChannels>
+/// False where the samples of a block lie too far apart for its tables or for one row of the source
+/// more than the kernel has; the plan is of no use then. `step` is from one output pixel to the
+/// next, at most 2^14 pixels.
+template <class Kernel, int kChannels>
 [[nodiscard]] bool plan_block(BlockPlan& plan, VectorShape shape, FixedPoint step);
 
 /// Where samples may lie so that all that a block loads lies within the source.
+template <class Kernel>
 class SafeArea {
  public:
   SafeArea(ImageSize size, int table_pixels)
       : x_end_((FixedPx{size.width} - table_pixels) * kOnePx),
-        y_end_((FixedPx{size.height} - 2) * kOnePx) {}
+        y_end_((FixedPx{size.height} - Kernel::kTaps + Kernel::kTapsBefore) * kOnePx) {}
 
   /// And so do all between two that do.
   [[nodiscard]] bool contains(FixedPoint at) const {
-    // A table begins up to a pixel to the left of its leftmost sample.
-    return at.x >= kOnePx && at.x < x_end_ && at.y >= 0 && at.y < y_end_;
+    // A table begins up to a pixel to the left of its leftmost sample's first tap.
+    return at.x >= (Kernel::kTapsBefore + 1) * kOnePx && at.x < x_end_ &&
+           at.y >= Kernel::kTapsBefore * kOnePx && at.y < y_end_;
   }
 
  private:

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
+#include "pipeline/warp/interpolation.hpp"
 #include "pipeline/warp/span.hpp"
 
 namespace gimbal {
@@ -22,42 +24,45 @@ struct MirrorAtEdge {
   }
 };
 
-/// Bilinear samples along a walk, one pixel after the other; kChannels bytes a pixel. Any walk will
-/// do, wherever it leads.
-template <typename Edge, int kChannels>
+/// The 15 bits of a coordinate's fraction that kernels take.
+constexpr int kernel_fraction(FixedPx px) {
+  return static_cast<int>((px & (kOnePx - 1)) >> (kFixedPxFractionBits - 15));
+}
+
+/// Samples along a walk, one pixel after the other; kChannels bytes a pixel. Any walk will do,
+/// wherever it leads.
+template <typename Kernel, typename Edge, int kChannels>
 void sample_span(const SourcePlane& source, SourceWalk walk, int pixels, std::uint8_t* out) {
-  constexpr int kWeightBits = 11;  // 8 bits of picture and two weights of 11 bits fit an int
-  constexpr int kWeightOne = 1 << kWeightBits;
-  constexpr int kHalf = 1 << (2 * kWeightBits - 1);
-  const auto weight = [](FixedPx px) {
-    return static_cast<int>(px >> (kFixedPxFractionBits - kWeightBits)) & (kWeightOne - 1);
-  };
-  const auto mix = [](int a, int b, int weight_b) {
-    return a * (kWeightOne - weight_b) + b * weight_b;
-  };
-  const auto row = [&](int y) {
-    return source.memory.data + Edge::index(y, source.size.height) * source.memory.stride_bytes;
-  };
+  constexpr int kOne = kTapWeightOne * kTapWeightOne;
   FixedPoint at = walk.start;
   for (int i = 0; i < pixels; ++i, at = at + walk.step) {
-    const int left = Edge::index(whole_px(at.x), source.size.width) * kChannels;
-    const int right = Edge::index(whole_px(at.x) + 1, source.size.width) * kChannels;
-    const std::uint8_t* upper = row(whole_px(at.y));
-    const std::uint8_t* lower = row(whole_px(at.y) + 1);
-    for (int channel = 0; channel < kChannels; ++channel, ++out) {
-      const int above = mix(upper[left + channel], upper[right + channel], weight(at.x));
-      const int below = mix(lower[left + channel], lower[right + channel], weight(at.x));
-      *out =
-          static_cast<std::uint8_t>((mix(above, below, weight(at.y)) + kHalf) >> (2 * kWeightBits));
+    const auto across = Kernel::weights(kernel_fraction(at.x));
+    const auto down = Kernel::weights(kernel_fraction(at.y));
+    std::array<int, static_cast<std::size_t>(kChannels)> sums{};
+    for (int row = 0; row < Kernel::kTaps; ++row) {
+      const int y = Edge::index(whole_px(at.y) + row - Kernel::kTapsBefore, source.size.height);
+      const std::uint8_t* line = source.memory.data + y * source.memory.stride_bytes;
+      for (int column = 0; column < Kernel::kTaps; ++column) {
+        const int x = Edge::index(whole_px(at.x) + column - Kernel::kTapsBefore, source.size.width);
+        const int weight =
+            across[static_cast<std::size_t>(column)] * down[static_cast<std::size_t>(row)];
+        for (int channel = 0; channel < kChannels; ++channel) {
+          sums[static_cast<std::size_t>(channel)] += weight * line[x * kChannels + channel];
+        }
+      }
+    }
+    for (const int sum : sums) {
+      *out++ = static_cast<std::uint8_t>(std::clamp((sum + kOne / 2) / kOne, 0, 255));
     }
   }
 }
 
 /// The same with the border's own rule.
-template <int kChannels>
+template <typename Kernel, int kChannels>
 void sample_span(const SourcePlane& source, const SourceWalk& walk, int pixels, std::uint8_t* out) {
-  const auto sample = source.border == Border::mirror ? &sample_span<MirrorAtEdge, kChannels>
-                                                      : &sample_span<ClampToEdge, kChannels>;
+  const auto sample = source.border == Border::mirror
+                          ? &sample_span<Kernel, MirrorAtEdge, kChannels>
+                          : &sample_span<Kernel, ClampToEdge, kChannels>;
   sample(source, walk, pixels, out);
 }
 

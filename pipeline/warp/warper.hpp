@@ -8,6 +8,7 @@
 
 #include "pipeline/sample/result.hpp"
 #include "pipeline/sample/video_frame.hpp"
+#include "pipeline/warp/interpolation.hpp"
 #include "pipeline/warp/warp_mesh.hpp"
 
 namespace gimbal {
@@ -29,10 +30,12 @@ class Warper {
   [[nodiscard]] virtual std::string renderer() const = 0;
 };
 
-/// The twin of the GLES warper without a GPU: same mesh, bilinear, with the processor's vector
+/// The twin of the GLES warper without a GPU: same mesh, with the processor's vector
 /// instructions. `threads` draw a frame, the caller's among them; if not given, as many as there
 /// are cores, up to what pays. The picture does not depend on it.
-[[nodiscard]] std::unique_ptr<Warper> make_cpu_warper(std::optional<int> threads = std::nullopt);
+[[nodiscard]] std::unique_ptr<Warper> make_cpu_warper(
+    std::optional<int> threads = std::nullopt,
+    Interpolation interpolation = Interpolation::bilinear);
 
 /// Which versions of OpenGL ES may be used.
 enum class GlesVersion : std::uint8_t {
@@ -44,7 +47,8 @@ enum class GlesVersion : std::uint8_t {
 /// 3, or where `source` or `output` is too large for the renderer. Once the context is lost, every
 /// `warp` fails: make a new warper.
 [[nodiscard]] Result<std::unique_ptr<Warper>> make_gles_warper(
-    ImageSize source, ImageSize output, GlesVersion version = GlesVersion::best);
+    ImageSize source, ImageSize output, Interpolation interpolation = Interpolation::bilinear,
+    GlesVersion version = GlesVersion::best);
 
 /// Whether a GL_RENDERER draws on the CPU: Mesa's llvmpipe and softpipe, SwiftShader, or something
 /// else on top of one of these. The CPU warper needs a fraction of their time.

@@ -75,12 +75,12 @@ void run(benchmark::State& state, Warper& warper) {
   state.SetLabel(warper.renderer());
 }
 
-void warp_cpu(benchmark::State& state, int threads) {
-  run(state, *make_cpu_warper(threads));
+void warp_cpu(benchmark::State& state, int threads, Interpolation interpolation) {
+  run(state, *make_cpu_warper(threads, interpolation));
 }
 
-void warp_gles(benchmark::State& state, GlesVersion version) {
-  const auto warper = make_gles_warper(size_of(state), size_of(state), version);
+void warp_gles(benchmark::State& state, GlesVersion version, Interpolation interpolation) {
+  const auto warper = make_gles_warper(size_of(state), size_of(state), interpolation, version);
   if (!warper) return state.SkipWithError(warper.error().message.c_str());
   run(state, **warper);
 }
@@ -137,12 +137,24 @@ void usual_sizes(benchmark::internal::Benchmark* bench) {
 
 BENCHMARK(build_mesh)->Apply(usual_sizes);
 BENCHMARK(count_border)->Apply(usual_sizes);
-BENCHMARK_CAPTURE(warp_cpu, one_thread, 1)->Apply(usual_sizes)->MeasureProcessCPUTime();
-BENCHMARK_CAPTURE(warp_cpu, two_threads, 2)->Apply(usual_sizes)->MeasureProcessCPUTime();
+BENCHMARK_CAPTURE(warp_cpu, one_thread, 1, Interpolation::bilinear)
+    ->Apply(usual_sizes)
+    ->MeasureProcessCPUTime();
+BENCHMARK_CAPTURE(warp_cpu, two_threads, 2, Interpolation::bilinear)
+    ->Apply(usual_sizes)
+    ->MeasureProcessCPUTime();
+BENCHMARK_CAPTURE(warp_cpu, bicubic_one_thread, 1, Interpolation::bicubic)
+    ->Apply(usual_sizes)
+    ->MeasureProcessCPUTime();
 BENCHMARK(opencv_remap)->Apply(usual_sizes);
 // llvmpipe draws on threads of its own, so that only the process' time is what a frame costs.
-BENCHMARK_CAPTURE(warp_gles, best, GlesVersion::best)->Apply(usual_sizes)->MeasureProcessCPUTime();
-BENCHMARK_CAPTURE(warp_gles, gles2, GlesVersion::gles2)
+BENCHMARK_CAPTURE(warp_gles, best, GlesVersion::best, Interpolation::bilinear)
+    ->Apply(usual_sizes)
+    ->MeasureProcessCPUTime();
+BENCHMARK_CAPTURE(warp_gles, bicubic, GlesVersion::best, Interpolation::bicubic)
+    ->Apply(usual_sizes)
+    ->MeasureProcessCPUTime();
+BENCHMARK_CAPTURE(warp_gles, gles2, GlesVersion::gles2, Interpolation::bilinear)
     ->Apply(usual_sizes)
     ->MeasureProcessCPUTime();
 

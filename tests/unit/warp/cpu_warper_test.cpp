@@ -1,4 +1,4 @@
-// The plain warper against what pictures must look like, pixel by pixel.
+// The CPU warper against what pictures must look like, pixel by pixel.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -35,10 +35,12 @@ TEST_P(CpuWarperSizes, IdentityIsBitForBit) {
   for (const ChromaSiting siting : {ChromaSiting::left, ChromaSiting::center}) {
     const VideoFrame picture = make_picture(GetParam(), {"", siting});
     for (const Border border : {Border::crop, Border::extend, Border::mirror, Border::black}) {
-      const VideoFrame drawn =
-          warp_on_cpu(picture, mesh_of_map(GetParam(), GetParam(), border, same));
-      EXPECT_EQ(plane_bytes(drawn, 0), plane_bytes(picture, 0));
-      EXPECT_EQ(plane_bytes(drawn, 1), plane_bytes(picture, 1));
+      const WarpMesh mesh = mesh_of_map(GetParam(), GetParam(), border, same);
+      for (const Interpolation interpolation : {Interpolation::bilinear, Interpolation::bicubic}) {
+        const VideoFrame drawn = make_cpu_warper({}, interpolation)->warp(picture, mesh).value();
+        EXPECT_EQ(plane_bytes(drawn, 0), plane_bytes(picture, 0));
+        EXPECT_EQ(plane_bytes(drawn, 1), plane_bytes(picture, 1));
+      }
     }
   }
 }
@@ -166,7 +168,9 @@ class CpuWarperLooks : public testing::TestWithParam<Look> {};
 TEST_P(CpuWarperLooks, EveryPixelIsTheBilinearSampleOfItsSource) {
   const auto [border, view, siting] = GetParam();
   const ImageSize source_size{241, 135};
-  const ImageSize output_size{200, 113};
+  // Large enough that nothing shrinks: then each pixel is one sample.
+  const ImageSize output_size =
+      view == View::zoomed_out ? ImageSize{401, 225} : ImageSize{200, 113};
   const VideoFrame picture = make_picture(source_size, {"", siting});
   const WarpMesh mesh = shaky_mesh(source_size, output_size, border, view);
   const VideoFrame drawn = warp_on_cpu(picture, mesh);

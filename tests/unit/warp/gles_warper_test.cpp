@@ -54,20 +54,22 @@ void expect_alike(const VideoFrame& gles, const VideoFrame& cpu, const std::stri
 struct Case {
   ImageSize size;
   GlesVersion version;
+  Interpolation interpolation = Interpolation::bilinear;
 };
 
 std::string case_name(const testing::TestParamInfo<Case>& info) {
   return std::to_string(info.param.size.width) + "x" + std::to_string(info.param.size.height) +
-         (info.param.version == GlesVersion::best ? "_best" : "_gles2");
+         (info.param.version == GlesVersion::best ? "_best" : "_gles2") +
+         (info.param.interpolation == Interpolation::bicubic ? "_bicubic" : "");
 }
 
 class GlesAgainstCpu : public testing::TestWithParam<Case> {};
 
 TEST_P(GlesAgainstCpu, AgreesForEveryBorder) {
-  const auto [size, version] = GetParam();
-  auto gles = make_gles_warper(size, size, version);
+  const auto [size, version, interpolation] = GetParam();
+  auto gles = make_gles_warper(size, size, interpolation, version);
   ASSERT_TRUE(gles) << gles.error().message;
-  const auto cpu = make_cpu_warper();
+  const auto cpu = make_cpu_warper({}, interpolation);
   const VideoFrame picture = make_picture(size, {"bt709", ChromaSiting::left});
   for (const Border border : {Border::crop, Border::extend, Border::mirror, Border::black}) {
     for (const View view : {View::zoomed_in, View::zoomed_out}) {
@@ -93,13 +95,17 @@ INSTANTIATE_TEST_SUITE_P(Sizes, GlesAgainstCpu,
                              {{1920, 1080}, GlesVersion::gles2},
                              {{641, 361}, GlesVersion::best},
                              {{641, 361}, GlesVersion::gles2},
+                             {{480, 360}, GlesVersion::best, Interpolation::bicubic},
+                             {{480, 360}, GlesVersion::gles2, Interpolation::bicubic},
+                             {{641, 361}, GlesVersion::best, Interpolation::bicubic},
+                             {{641, 361}, GlesVersion::gles2, Interpolation::bicubic},
                          }),
                          case_name);
 
 class GlesWarper : public testing::TestWithParam<GlesVersion> {
  protected:
   [[nodiscard]] std::unique_ptr<Warper> make(ImageSize source, ImageSize output) const {
-    return make_gles_warper(source, output, GetParam()).value();
+    return make_gles_warper(source, output, Interpolation::bilinear, GetParam()).value();
   }
 };
 
@@ -181,14 +187,14 @@ TEST_P(GlesWarper, RefusesAnotherThread) {
 }
 
 TEST_P(GlesWarper, SaysThatAFrameIsTooLarge) {
-  const auto wide = make_gles_warper({1 << 20, 16}, {64, 32}, GetParam());
+  const auto wide = make_gles_warper({1 << 20, 16}, {64, 32}, Interpolation::bilinear, GetParam());
   ASSERT_FALSE(wide);
   EXPECT_EQ(wide.error().kind, Error::Kind::failed);
   EXPECT_THAT(wide.error().message, HasSubstr("the frame of 1048576x16 is too large"));
-  const auto tall = make_gles_warper({64, 32}, {64, 1 << 20}, GetParam());
+  const auto tall = make_gles_warper({64, 32}, {64, 1 << 20}, Interpolation::bilinear, GetParam());
   ASSERT_FALSE(tall);
   EXPECT_THAT(tall.error().message, HasSubstr("the output of 64x1048576 is too large"));
-  EXPECT_FALSE(make_gles_warper({0, 32}, {64, 32}, GetParam()));
+  EXPECT_FALSE(make_gles_warper({0, 32}, {64, 32}, Interpolation::bilinear, GetParam()));
 }
 
 TEST_P(GlesWarper, RefusesAMeshMadeForAnotherFrame) {

@@ -9,7 +9,7 @@ namespace {
 
 Result<Readback> probe(GlesVersion version, const std::string& channels) {
   const auto context = EglContext::create(version).value();
-  MeshPainter painter = MeshPainter::create(channels).value();
+  MeshPainter painter = MeshPainter::create(channels, Interpolation::bilinear).value();
   return choose_readback(painter, context->major_version());
 }
 
@@ -31,7 +31,7 @@ TEST(ReadbackProbe, RefusesARendererThatDrawsWrongly) {
 
 TEST(MeshPainter, SaysWhatTheShaderCompilerSays) {
   const auto context = EglContext::create(GlesVersion::best).value();
-  const auto painter = MeshPainter::create("no_such_channels");
+  const auto painter = MeshPainter::create("no_such_channels", Interpolation::bilinear);
   ASSERT_FALSE(painter);
   EXPECT_NE(painter.error().message.find("refuses the fragment shader: "), std::string::npos);
   EXPECT_EQ(painter.error().message.find('\n'), std::string::npos);

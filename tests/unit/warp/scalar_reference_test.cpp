@@ -71,9 +71,14 @@ VideoFrame make_static(ImageSize size) {
   return std::move(picture).publish({}, {"", ChromaSiting::left});
 }
 
+constexpr Interpolation kBoth[] = {Interpolation::bilinear, Interpolation::bicubic};
+
 void expect_as_reference(const VideoFrame& picture, const WarpMesh& mesh) {
-  const VideoFrame drawn = make_cpu_warper(1)->warp(picture, mesh).value();
-  EXPECT_LE(largest_difference(drawn, warp_by_scalars(picture, mesh)), 1);
+  for (const Interpolation interpolation : kBoth) {
+    const VideoFrame drawn = make_cpu_warper(1, interpolation)->warp(picture, mesh).value();
+    EXPECT_LE(largest_difference(drawn, warp_by_scalars(picture, mesh, interpolation)), 1)
+        << (interpolation == Interpolation::bicubic ? "bicubic" : "bilinear");
+  }
 }
 
 constexpr double kDegree = std::numbers::pi / 180;
@@ -83,7 +88,7 @@ TEST(ScalarReference, EveryRollGivesItsPicture) {
   const VideoFrame picture = make_static(size);
   for (const double roll_deg :
        {0.0, 0.5, 2.0, -2.0, 3.7, -5.0, 7.9, 12.0, 45.0, 90.0, 175.0, 180.0}) {
-    for (const double zoom : {0.4, 0.55, 1.0, 1.15, 3.0}) {
+    for (const double zoom : {0.1, 0.4, 0.55, 0.82, 1.0, 1.15, 3.0}) {
       SCOPED_TRACE(testing::Message() << roll_deg << " degrees, zoom " << zoom);
       expect_as_reference(picture,
                           turned_mesh(size, size, Border::extend, roll_deg * kDegree, zoom));
@@ -125,11 +130,13 @@ TEST(ScalarReference, EveryStrideGivesItsPicture) {
   const ImageSize size{321, 181};
   const VideoFrame picture = make_static(size);
   const WarpMesh mesh = shaky_mesh(size, size, Border::black, View::zoomed_in);
-  const VideoFrame expected = warp_by_scalars(picture, mesh);
-  for (const auto& [luma, chroma] : {std::pair{321, 322}, {333, 323}, {-400, -350}}) {
-    const VideoFrame drawn =
-        make_cpu_warper(1)->warp(with_strides(picture, luma, chroma), mesh).value();
-    EXPECT_LE(largest_difference(drawn, expected), 1) << luma;
+  for (const Interpolation interpolation : kBoth) {
+    const VideoFrame expected = warp_by_scalars(picture, mesh, interpolation);
+    for (const auto& [luma, chroma] : {std::pair{321, 322}, {333, 323}, {-400, -350}}) {
+      const VideoFrame moved = with_strides(picture, luma, chroma);
+      const VideoFrame drawn = make_cpu_warper(1, interpolation)->warp(moved, mesh).value();
+      EXPECT_LE(largest_difference(drawn, expected), 1) << luma;
+    }
   }
 }
 
@@ -165,10 +172,12 @@ TEST(ScalarReference, ThreadsDoNotChangeThePicture) {
   const ImageSize size{322, 402};
   const VideoFrame picture = make_static(size);
   const WarpMesh mesh = shaky_mesh(size, size, Border::black, View::zoomed_out);
-  const VideoFrame alone = make_cpu_warper(1)->warp(picture, mesh).value();
-  const auto together = make_cpu_warper(3);
-  for (int frame = 0; frame < 20; ++frame) {
-    EXPECT_EQ(largest_difference(together->warp(picture, mesh).value(), alone), 0);
+  for (const Interpolation interpolation : kBoth) {
+    const VideoFrame alone = make_cpu_warper(1, interpolation)->warp(picture, mesh).value();
+    const auto together = make_cpu_warper(3, interpolation);
+    for (int frame = 0; frame < 20; ++frame) {
+      EXPECT_EQ(largest_difference(together->warp(picture, mesh).value(), alone), 0);
+    }
   }
 }
 
