@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "daemon/journal.hpp"
+#include "drivers/replay/lens_file.hpp"
 #include "drivers/replay/session.hpp"
 #include "drivers/replay/session_toml.hpp"
 
@@ -26,34 +27,17 @@ LensParameters lens_of_view(ImageSize size, double horizontal_fov_deg) {
   return lens;
 }
 
-/// Pixel centres have whole coordinates: what scales is the distance from the picture's corner.
-Eigen::Matrix3d scaled(const Eigen::Matrix3d& K, double ratio) {
-  Eigen::Matrix3d out = K * ratio;
-  out(0, 2) = (K(0, 2) + 0.5) * ratio - 0.5;
-  out(1, 2) = (K(1, 2) + 0.5) * ratio - 0.5;
-  out(2, 2) = 1;
-  return out;
-}
-
-Result<void> fit_to(ImageSize size, CameraCalibration& camera) {
-  constexpr double kSameShape = 0.01;
-  const double across = static_cast<double>(size.width) / camera.size.width;
-  const double down = static_cast<double>(size.height) / camera.size.height;
-  if (std::abs(across / down - 1) > kSameShape) {
-    return bad_input(
-        fmt::format("the camera delivers {}x{}, its calibration is for {}x{}: set width and height "
-                    "to a size of "
-                    "that shape, or calibrate for this one",
-                    size.width, size.height, camera.size.width, camera.size.height));
-  }
-  camera.lens.K = scaled(camera.lens.K, across);
-  camera.size = size;
-  return {};
-}
-
 /// What the calibration file says, or nothing where none is named.
 Result<Session> read_calibration(const std::filesystem::path& file) {
   if (file.empty()) return Session();
+  if (is_lens_file(file)) {
+    return read_lens_file(file).map([](const LensFile& lens) {
+      Session known;
+      known.camera = lens.camera;
+      known.imu.R_camera_imu = lens.R_camera_imu.value_or(Eigen::Matrix3d::Identity());
+      return known;
+    });
+  }
   auto toml = read_session_toml(file);
   if (!toml) return tl::unexpected(toml.error());
   for (const std::string& warning : toml->warnings) log_line(LogLevel::warning, warning);
@@ -64,11 +48,7 @@ Result<Session> read_calibration(const std::filesystem::path& file) {
 Result<CameraCalibration> lens_for(const CameraFormat& format, const Session& known,
                                    const CalibrationSettings& settings) {
   CameraCalibration camera;
-  if (known.camera) {
-    camera = *known.camera;
-    if (auto fitted = fit_to(format.size, camera); !fitted) return tl::unexpected(fitted.error());
-    return camera;
-  }
+  if (known.camera) return fitted_to(*known.camera, format.size);
   if (!settings.horizontal_fov_deg) {
     return bad_input(
         "the lens is not known: give calibration = FILE under [camera], or horizontal_fov_deg, how "

@@ -15,6 +15,7 @@
 #include "daemon/gimbalctl/commands.hpp"
 #include "daemon/gimbalctl/stabilize_report.hpp"
 #include "drivers/replay/import/importer.hpp"
+#include "drivers/replay/lens_file.hpp"
 #include "drivers/replay/session.hpp"
 #include "pipeline/sink/video_file.hpp"
 
@@ -270,9 +271,20 @@ Result<void> show_session(const std::filesystem::path& path, ShowFormat format) 
   return {};
 }
 
-Result<void> import_recording(const std::filesystem::path& input,
-                              const std::filesystem::path& folder) {
-  const Result<Session> session = import_session(input, folder);
+struct ImportRequest {
+  std::filesystem::path input;
+  std::filesystem::path folder;
+  std::filesystem::path lens;  ///< empty: as the recording says
+};
+
+Result<void> import_recording(const ImportRequest& request) {
+  std::optional<LensFile> lens;
+  if (!request.lens.empty()) {
+    auto read = read_lens_file(request.lens);
+    if (!read) return tl::unexpected(read.error());
+    lens = std::move(*read);
+  }
+  const Result<Session> session = import_session(request.input, request.folder, lens);
   if (!session) return tl::unexpected(session.error());
   print_session(*session);
   return {};
@@ -297,15 +309,18 @@ void add_show(CLI::App& sessions, CommandOutcome& outcome) {
 }
 
 void add_import(CLI::App& sessions, CommandOutcome& outcome) {
-  auto input = std::make_shared<std::string>();
-  auto folder = std::make_shared<std::string>();
+  auto request = std::make_shared<ImportRequest>();
   CLI::App* const command =
       sessions.add_subcommand("import", "Turn a recording of another kind into a session");
   std::vector<std::string_view> kinds;
   for (const Importer& importer : importers()) kinds.push_back(importer.kind);
-  command->add_option("INPUT", *input, fmt::format("{}", fmt::join(kinds, "; or ")))->required();
-  command->add_option("-o,--output", *folder, "New session folder")->required();
-  command->callback([input, folder, &outcome] { outcome = import_recording(*input, *folder); });
+  command->add_option("INPUT", request->input, fmt::format("{}", fmt::join(kinds, "; or ")))
+      ->required();
+  command->add_option("-o,--output", request->folder, "New session folder")->required();
+  command->add_option("--lens", request->lens,
+                      "Gyroflow's lens profile (.json), or a calibration by Kalibr, OpenCV or ROS "
+                      "(.yaml)");
+  command->callback([request, &outcome] { outcome = import_recording(*request); });
 }
 
 }  // namespace

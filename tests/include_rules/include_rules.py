@@ -46,7 +46,7 @@ SYSTEM_HEADER_HOMES = [
     (r"gpiod\.h(pp)?|linux/gpio\.h", r"drivers/gpio"),
     (r"linux/i2c.*", r"drivers/i2c"),
     (r"systemd/.*", r"daemon"),
-    (r"toml\+\+/.*|nlohmann/.*", r"drivers/replay|daemon"),
+    (r"toml\+\+/.*|nlohmann/.*|yaml-cpp/.*", r"drivers/replay|daemon"),
     (r"(CLI|spdlog)/.*|httplib\.h", r"daemon"),
     (r"fmt/.*", OUTSIDE_SAMPLE),
     (r"thread|stop_token|future", r"pipeline/(queue|sink|warp)|" + OUTSIDE_PIPELINE),  # others own none

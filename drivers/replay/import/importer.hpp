@@ -1,9 +1,11 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string_view>
 
+#include "drivers/replay/lens_file.hpp"
 #include "drivers/replay/session.hpp"
 #include "pipeline/sample/result.hpp"
 
@@ -24,9 +26,11 @@ struct Importer {
 
 /// Turns a recording of any known kind into a session folder, which must not exist or be empty, and
 /// opens it: the answer's warnings say what is odd about the recording. Leaves nothing behind if
-/// the recording turns out to be unusable.
+/// the recording turns out to be unusable. `lens`: what is known of the camera from elsewhere, in
+/// the place of what the recording says; fitted to the recording's size.
 [[nodiscard]] Result<Session> import_session(const std::filesystem::path& input,
-                                             const std::filesystem::path& folder);
+                                             const std::filesystem::path& folder,
+                                             const std::optional<LensFile>& lens = std::nullopt);
 
 /// One a kind, for the table.
 extern const Importer kMetaJsonImporter;

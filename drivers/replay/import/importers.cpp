@@ -39,6 +39,24 @@ Result<Session> read_recording(const std::filesystem::path& input) {
                                fmt::join(kinds, "; ")));
 }
 
+/// What the recording says of its stamps and its readout stays where the lens says nothing of it.
+Result<void> take_lens(const LensFile& lens, Session& session) {
+  CameraCalibration camera;
+  if (session.camera_without_lens) camera = *session.camera_without_lens;
+  if (session.camera) camera = *session.camera;
+  auto fitted = camera.size.width > 0 ? fitted_to(lens.camera, camera.size) : lens.camera;
+  if (!fitted) return tl::unexpected(fitted.error());
+  camera.size = fitted->size;
+  camera.lens = fitted->lens;
+  if (camera.readout == SensorDuration::zero()) camera.readout = fitted->readout;
+  if (camera.time_offset == SensorDuration::zero()) camera.time_offset = fitted->time_offset;
+  if (camera.fps == 0) camera.fps = fitted->fps;
+  if (lens.R_camera_imu) session.imu.R_camera_imu = *lens.R_camera_imu;
+  session.camera = camera;
+  session.camera_without_lens.reset();
+  return {};
+}
+
 /// Takes away what an import wrote into a folder that was empty before.
 void clear(const std::filesystem::path& folder) {
   std::error_code error;
@@ -72,9 +90,13 @@ std::span<const Importer> importers() {
 }
 
 Result<Session> import_session(const std::filesystem::path& input,
-                               const std::filesystem::path& folder) {
+                               const std::filesystem::path& folder,
+                               const std::optional<LensFile>& lens) {
   Result<Session> session = read_recording(input);
   if (!session) return session;
+  if (lens) {
+    if (auto taken = take_lens(*lens, *session); !taken) return tl::unexpected(taken.error());
+  }
   if (Result<void> made = make_session_folder(folder); !made) return tl::unexpected(made.error());
   session->folder = folder;
   Result<Session> opened = write_session(*session).and_then([&] { return open_session(folder); });

@@ -218,6 +218,26 @@ TEST(Gyroflow, DefaultsAreTheFormats) {
   EXPECT_EQ(session->video.filename(), "video.mkv");
 }
 
+TEST(Gyroflow, ALensFromElsewhereCompletesIt) {
+  const TemporaryFolder folder;
+  make_video(folder.path() / "clip.mkv", 30);
+  folder.write("clip.gcsv", gyroflow_log("frame_readout_time,16\n"));
+  LensFile lens;
+  lens.camera.size = {128, 96};  // twice the video's
+  lens.camera.readout = SensorDuration(20'000'000);
+  lens.camera.lens.K << 100, 0, 63.5, 0, 100, 47.5, 0, 0, 1;
+  const auto session = import_session(folder.path() / "clip.mkv", folder.path() / "s", lens);
+  ASSERT_TRUE(session) << session.error().message;
+  ASSERT_TRUE(session->camera);
+  EXPECT_EQ(session->camera->size, (ImageSize{64, 48}));
+  EXPECT_NEAR(session->camera->lens.K(0, 0), 50, 1e-9);
+  EXPECT_NEAR(session->camera->lens.K(0, 2), 31.5, 1e-9);
+  EXPECT_EQ(session->camera->readout, SensorDuration(16'000'000)) << "the recording's own";
+  lens.camera.size = {128, 72};
+  EXPECT_THAT(import_session(folder.path() / "clip.mkv", folder.path() / "t", lens).error().message,
+              HasSubstr("128x72"));
+}
+
 TEST(Gyroflow, FaultsNameFileAndKey) {
   struct Fault {
     std::string log;
