@@ -307,7 +307,7 @@ void LivePipeline::draw(std::promise<Result<void>>& can_draw) {
 }
 
 Result<std::unique_ptr<Warper>> LivePipeline::open_warper() {
-  auto chosen = choose_warper(settings_.warper, calibration_.size);
+  auto chosen = choose_warper(settings_, calibration_.size);
   if (!chosen) return tl::unexpected(chosen.error());
   if (!chosen->warning.empty()) log_line(LogLevel::warning, chosen->warning, {"renderer", {}});
   const std::lock_guard lock(mutex_);

@@ -36,6 +36,12 @@ const std::map<std::string, WarperKind>& warper_names() {
   return names;
 }
 
+const std::map<std::string, Interpolation>& interpolation_names() {
+  static const std::map<std::string, Interpolation> names = {{"bilinear", Interpolation::bilinear},
+                                                             {"bicubic", Interpolation::bicubic}};
+  return names;
+}
+
 const std::map<std::string, Border>& border_names() {
   static const std::map<std::string, Border> names = {{"crop", Border::crop},
                                                       {"extend", Border::extend},
@@ -81,21 +87,27 @@ StabilizerOptions stabilizer_options(const StabilizationSettings& settings) {
   return options;
 }
 
-Result<ChosenWarper> choose_warper(std::optional<WarperKind> kind, ImageSize size) {
-  if (kind == WarperKind::cpu) return ChosenWarper{make_cpu_warper(), "asked for", ""};
-  auto gles = make_gles_warper(size, size);
-  if (kind == WarperKind::gles) {
+std::unique_ptr<Warper> make_cpu_warper(const StabilizationSettings& settings) {
+  return make_cpu_warper(settings.threads, settings.interpolation);
+}
+
+Result<ChosenWarper> choose_warper(const StabilizationSettings& settings, ImageSize size) {
+  if (settings.warper == WarperKind::cpu) {
+    return ChosenWarper{make_cpu_warper(settings), "asked for", ""};
+  }
+  auto gles = make_gles_warper(size, size, settings.interpolation);
+  if (settings.warper == WarperKind::gles) {
     if (!gles) return tl::unexpected(gles.error());
     return ChosenWarper{std::move(*gles), "asked for", ""};
   }
   if (!gles) {
-    return ChosenWarper{make_cpu_warper(), gles.error().message,
+    return ChosenWarper{make_cpu_warper(settings), gles.error().message,
                         gles.error().message + "; drawing on the CPU"};
   }
   // GLES without a GPU is slower than drawing on the CPU straight away.
   if (is_software_renderer((*gles)->renderer())) {
-    return ChosenWarper{make_cpu_warper(), "no GPU: GLES would draw with " + (*gles)->renderer(),
-                        ""};
+    return ChosenWarper{make_cpu_warper(settings),
+                        "no GPU: GLES would draw with " + (*gles)->renderer(), ""};
   }
   return ChosenWarper{std::move(*gles), "there is a GPU", ""};
 }

@@ -25,7 +25,10 @@ enum class Correction : std::uint8_t { rectify_and_stabilize, rectify_only };
 [[nodiscard]] const std::map<std::string, EstimatorKind>& estimator_names();
 [[nodiscard]] const std::map<std::string, PathKind>& path_names();
 [[nodiscard]] const std::map<std::string, WarperKind>& warper_names();
+[[nodiscard]] const std::map<std::string, Interpolation>& interpolation_names();
 [[nodiscard]] const std::map<std::string, Border>& border_names();
+
+constexpr int kMostDrawingThreads = 64;
 
 /// How much of the future an orientation may use.
 struct Lookahead {
@@ -47,6 +50,8 @@ struct StabilizationSettings {
   std::optional<double> zoom;  ///< none: as little as is needed
   Border border = Border::crop;
   std::optional<WarperKind> warper;  ///< none: GLES on a GPU, else the CPU
+  Interpolation interpolation = Interpolation::bilinear;
+  std::optional<int> threads;  ///< that draw a frame on the CPU; none: as many as pay
   EstimatorKind estimator = EstimatorKind::ekf;
   PathKind path = PathKind::adaptive_hann;
   Correction correction = Correction::rectify_and_stabilize;
@@ -70,6 +75,10 @@ struct ChosenWarper {
 };
 
 /// To be called on the thread that will draw. Fails where what was asked for cannot be had.
-[[nodiscard]] Result<ChosenWarper> choose_warper(std::optional<WarperKind> kind, ImageSize size);
+[[nodiscard]] Result<ChosenWarper> choose_warper(const StabilizationSettings& settings,
+                                                 ImageSize size);
+
+/// The one that draws where no other can.
+[[nodiscard]] std::unique_ptr<Warper> make_cpu_warper(const StabilizationSettings& settings);
 
 }  // namespace gimbal

@@ -56,6 +56,10 @@ void read_stabilization(TomlTable& table, StabilizationSettings& settings) {
     read_choice(table, "warper", warper_names(), kind);
     settings.warper = kind;
   }
+  read_choice(table, "interpolation", interpolation_names(), settings.interpolation);
+  if (const auto threads = table.integer("threads", 1, kMostDrawingThreads)) {
+    settings.threads = static_cast<int>(*threads);
+  }
 }
 
 Result<void> verdict(const TomlTable& table) {

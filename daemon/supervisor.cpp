@@ -28,6 +28,12 @@ std::vector<std::string> changed_other_keys(const Configuration& before,
   if (before.stabilization.warper != after.stabilization.warper) {
     keys.emplace_back("stabilization.warper");
   }
+  if (before.stabilization.interpolation != after.stabilization.interpolation) {
+    keys.emplace_back("stabilization.interpolation");
+  }
+  if (before.stabilization.threads != after.stabilization.threads) {
+    keys.emplace_back("stabilization.threads");
+  }
   if (before.source != after.source || before.camera != after.camera ||
       before.calibration != after.calibration) {
     keys.emplace_back("camera");

@@ -147,12 +147,14 @@ std::optional<VirtualCamera> Stabilizer::next_camera() {
 
 WarpMesh Stabilizer::mesh_for(const VirtualCamera& camera) const {
   const LineOrientation orientation = orientation_of(camera.stamp);
-  const MeshDensity density =
-      options_.mesh ? *options_.mesh
+  const ChosenDensity chosen =
+      options_.mesh ? ChosenDensity{*options_.mesh, std::nullopt}
                     : choose_mesh_density(lens_, camera_.size, camera_.readout_direction,
                                           orientation, camera);
-  return build_warp_mesh(lens_, camera_.size, camera_.readout_direction, orientation, camera,
-                         camera_.size, options_.border, density);
+  WarpMesh mesh = build_warp_mesh(lens_, camera_.size, camera_.readout_direction, orientation,
+                                  camera, camera_.size, options_.border, chosen.density);
+  mesh.error_px = chosen.error_px;
+  return mesh;
 }
 
 void Stabilizer::forget(const FrameStamp& stamp) {

@@ -18,6 +18,7 @@ struct Arguments {
   std::string latency = "full";
   std::string zoom = "auto";
   std::string warper;
+  std::string interpolation = "bilinear";
   std::string border = "crop";
   std::string path = "adaptive-hann";
   std::string estimator = "ekf";
@@ -57,6 +58,7 @@ Result<void> run(Arguments& arguments) {
   request.latency = *latency;
   request.zoom = *zoom;
   if (!arguments.warper.empty()) request.warper = warper_names().at(arguments.warper);
+  request.interpolation = interpolation_names().at(arguments.interpolation);
   request.border = border_names().at(arguments.border);
   request.path = path_names().at(arguments.path);
   request.estimator = estimator_names().at(arguments.estimator);
@@ -86,6 +88,14 @@ void add_options(CLI::App& command, Arguments& arguments) {
   command.add_option("--warper", arguments.warper, "What draws [gles if there is a GPU, else cpu]")
       ->check(CLI::IsMember(names_of(warper_names())))
       ->option_text("gles|cpu");
+  command.add_option("--threads", request.threads, "That draw a frame on the CPU")
+      ->check(CLI::Range(1, kMostDrawingThreads))
+      ->option_text("N");
+  command
+      .add_option("--interpolation", arguments.interpolation,
+                  "How the picture is read between its pixels")
+      ->transform(CLI::IsMember(names_of(interpolation_names())))
+      ->option_text("bilinear|bicubic [bilinear]");
   command.add_option("--estimator", arguments.estimator, "How orientation is estimated")
       ->transform(CLI::IsMember(names_of(estimator_names())))
       ->option_text("ekf|thesis [ekf]");

@@ -19,7 +19,8 @@ std::int64_t peak_memory_bytes() {
 }
 
 Json to_json(const StabilizeReport& report) {
-  const double frames = static_cast<double>(std::max<std::int64_t>(report.frames_out, 1));
+  const std::int64_t whole_frames = std::max<std::int64_t>(report.frames_out, 1);
+  const auto frames = static_cast<double>(whole_frames);
   return {
       {"session", report.session},
       {"output", report.output},
@@ -37,6 +38,17 @@ Json to_json(const StabilizeReport& report) {
       {"warper", report.warper},
       {"warper_reason", report.warper_reason},
       {"gl_renderer", report.warper == "gles" ? Json(report.renderer) : Json(nullptr)},
+      {"renderer", report.renderer},
+      {"interpolation", report.interpolation},
+      {"mesh",
+       {{"max_vertex_columns", report.mesh.most_vertex_columns},
+        {"max_vertex_rows", report.mesh.most_vertex_rows},
+        {"error_bound_px", report.mesh.error_px},
+        {"frames_of_unknown_error", report.mesh.frames_of_unknown_error}}},
+      {"bytes_copied_per_frame",
+       {{"decode", report.copied.decode / whole_frames},
+        {"warp", report.copied.warp / whole_frames},
+        {"encode", report.copied.encode / whole_frames}}},
       {"peak_memory_bytes", peak_memory_bytes()},
       {"estimator", report.estimator},
       {"path", report.path},
@@ -55,6 +67,16 @@ Json to_json(const StabilizeReport& report) {
 }
 
 }  // namespace
+
+void note_mesh(const WarpMesh& mesh, MeshSummary& summary) {
+  summary.most_vertex_columns = std::max(summary.most_vertex_columns, mesh.vertex_columns);
+  summary.most_vertex_rows = std::max(summary.most_vertex_rows, mesh.vertex_rows);
+  if (mesh.error_px) {
+    summary.error_px = std::max(summary.error_px, *mesh.error_px);
+  } else {
+    ++summary.frames_of_unknown_error;
+  }
+}
 
 std::filesystem::path report_beside(const std::filesystem::path& video) {
   return video.string() + ".json";

@@ -8,8 +8,27 @@
 
 #include "daemon/gimbalctl/stage_clock.hpp"
 #include "pipeline/sample/result.hpp"
+#include "pipeline/warp/warp_mesh.hpp"
 
 namespace gimbal {
+
+/// The meshes of all frames.
+struct MeshSummary {
+  int most_vertex_columns = 0;
+  int most_vertex_rows = 0;
+  /// That all of them stay within; of those whose error is known.
+  double error_px = 0;
+  std::int64_t frames_of_unknown_error = 0;
+};
+
+/// Of all frames together, after the decoder and up to the encoder.
+struct CopiedBytes {
+  std::int64_t decode = 0;
+  std::int64_t warp = 0;
+  std::int64_t encode = 0;
+};
+
+void note_mesh(const WarpMesh& mesh, MeshSummary& summary);
 
 /// What one run of `gimbalctl stabilize` did, for `--report`.
 struct StabilizeReport {
@@ -25,6 +44,9 @@ struct StabilizeReport {
   std::string warper;
   std::string warper_reason;  ///< why this one
   std::string renderer;
+  std::string interpolation;
+  MeshSummary mesh;
+  CopiedBytes copied;
 
   std::int64_t frames_in = 0;
   std::int64_t frames_out = 0;

@@ -125,6 +125,7 @@ Result<void> Job::run() {
   report_.border = to_string(request_.border);
   report_.estimator = request_.estimator == EstimatorKind::ekf ? "ekf" : "thesis";
   report_.path = request_.path == PathKind::hann ? "hann" : "adaptive-hann";
+  report_.interpolation = request_.interpolation == Interpolation::bicubic ? "bicubic" : "bilinear";
   report_.latency_frames = request_.latency;
   if (request_.latency) {
     report_.latency_s = static_cast<double>(*request_.latency) / fps_;
@@ -229,7 +230,7 @@ Result<void> Job::open_streams() {
 }
 
 Result<void> Job::make_warper(ImageSize size) {
-  auto chosen = choose_warper(request_.warper, size);
+  auto chosen = choose_warper(request_, size);
   if (!chosen) return tl::unexpected(chosen.error());
   warper_ = std::move(chosen->warper);
   report_.warper_reason = std::move(chosen->reason);
@@ -283,6 +284,7 @@ Result<VideoFrame> Job::draw(const VideoFrame& frame) {
   }
   const WarpMesh mesh = stabilizer_->mesh_for(*camera);
   note(*camera, count_border_pixels(mesh));
+  note_mesh(mesh, report_.mesh);
   return warp(frame, mesh);
 }
 
@@ -291,7 +293,8 @@ Result<VideoFrame> Job::warp(const VideoFrame& frame, const WarpMesh& mesh) {
   if (drawn || request_.warper || warper_->name() == "cpu") return drawn;
   warn(drawn.error().message + "; drawing on the CPU from here on");
   report_.warper_reason = drawn.error().message;
-  warper_ = make_cpu_warper();
+  report_.copied.warp = warper_->bytes_copied();
+  warper_ = make_cpu_warper(request_);
   return warper_->warp(frame, mesh);
 }
 
@@ -327,6 +330,9 @@ Result<void> Job::finish() {
   report_.frames_dropped = report_.frames_in - report_.frames_out;
   report_.warper = warper_ ? warper_->name() : "none";
   report_.renderer = warper_ ? warper_->renderer() : "";
+  report_.copied.decode = source_->bytes_copied();
+  report_.copied.warp += warper_ ? warper_->bytes_copied() : 0;
+  report_.copied.encode = sink_->bytes_copied().value_or(0);
   add_to_session();
   return request_.report.empty() ? Result<void>{} : write_report(report_, request_.report);
 }

@@ -217,4 +217,8 @@ void ReplayCamera::warn_of_leap() {
       video_.string(), to_seconds(leap), at - 1));
 }
 
+std::int64_t ReplayCamera::bytes_copied() const {
+  return decoder_->bytes_copied();
+}
+
 }  // namespace gimbal

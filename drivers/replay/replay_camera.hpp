@@ -42,6 +42,9 @@ class ReplayCamera final : public CameraSource {
   /// in that file, its audio, whose running time it is.
   [[nodiscard]] SensorDuration media_time() const { return media_time_; }
 
+  /// See VideoDecoder; after `start`.
+  [[nodiscard]] std::int64_t bytes_copied() const;
+
   /// Pictures left out since the frame list has no stamp for them. Known once `read` gave nothing.
   [[nodiscard]] std::int64_t frames_without_stamp() const { return counts_.without_stamp; }
 

@@ -108,6 +108,7 @@ Result<void> VideoDecoder::start() {
   const GstPadPtr pad(gst_element_get_static_pad(sink_.get(), "sink"));
   gst_pad_add_probe(pad.get(), GST_PAD_PROBE_TYPE_QUERY_DOWNSTREAM, accept_strides, nullptr,
                     nullptr);
+  conversions_.watch(pipeline_.get());
   gst_element_set_state(pipeline_.get(), GST_STATE_PLAYING);
   auto first = pull();
   if (!first) {

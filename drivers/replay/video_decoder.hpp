@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/gstreamer/conversion_count.hpp"
 #include "pipeline/gstreamer/gst_runtime.hpp"
 #include "pipeline/sample/result.hpp"
 #include "pipeline/sample/sensor_time.hpp"
@@ -44,6 +45,10 @@ class VideoDecoder {
   void interrupt();
   [[nodiscard]] bool is_interrupted() const { return is_interrupted_; }
 
+  /// Of all pictures so far, from one place in memory to another after the decoder has written
+  /// them, which is what bringing them to NV12 does.
+  [[nodiscard]] std::int64_t bytes_copied() const { return conversions_.bytes(); }
+
   /// What was wrong with the file so far, a line each.
   [[nodiscard]] const std::vector<std::string>& warnings() const { return warnings_; }
 
@@ -62,6 +67,7 @@ class VideoDecoder {
   std::chrono::milliseconds patience_;
   std::atomic<bool> is_interrupted_ = false;
   std::atomic<bool> are_streams_known_ = false;
+  ConversionCount conversions_;
   GstElementPtr sink_;
   GstPipelinePtr pipeline_;  // its threads use what stands above
   GstCapsPtr caps_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -26,6 +27,10 @@ class FrameSink {
   /// Ends the stream properly and waits until everything is written. Without it a file is left
   /// unfinished.
   [[nodiscard]] virtual Result<void> finish() = 0;
+
+  /// Of all pictures together, from one place in memory to another on their way out, changes of
+  /// their format included. Nothing: not counted.
+  [[nodiscard]] virtual std::optional<std::int64_t> bytes_copied() const { return std::nullopt; }
 
   /// What is written otherwise than asked, such as audio left out, a line each; complete after
   /// `finish`.

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gst/app/gstappsrc.h>
 
+#include <atomic>
 #include <utility>
 
 #include "pipeline/gstreamer/gst_frames.hpp"
@@ -72,6 +73,7 @@ struct GstreamerSink::FrameGate {
   StreamProgress& progress;
   GstVideoInfo info;
   std::optional<bool> knows_strides;
+  std::atomic<std::int64_t> bytes_repacked = 0;
 
   static GstPadProbeReturn on_frame(GstPad* pad, GstPadProbeInfo* probe, gpointer user_data) {
     auto& gate = *static_cast<FrameGate*>(user_data);
@@ -82,6 +84,7 @@ struct GstreamerSink::FrameGate {
     if (!*gate.knows_strides && !is_packed(frame, gate.info)) {
       GST_PAD_PROBE_INFO_DATA(probe) = repacked(frame, gate.info);
       gst_buffer_unref(frame);
+      gate.bytes_repacked += static_cast<std::int64_t>(GST_VIDEO_INFO_SIZE(&gate.info));
     }
     gate.progress.frame_taken();
     return GST_PAD_PROBE_OK;
@@ -97,7 +100,7 @@ GstreamerSink::GstreamerSink(SinkPipeline target, const SinkFormat& format)
       source_(element_named(target.pipeline, kFrameSourceName)),
       pipeline_(std::move(target.pipeline)) {
   const GstCapsPtr caps = nv12_caps(format_.size, format_.fps, format_.color);
-  gate_ = std::make_unique<FrameGate>(FrameGate{progress_, {}, std::nullopt});
+  gate_.reset(new FrameGate{progress_, {}, std::nullopt});
   gst_video_info_from_caps(&gate_->info, caps.get());
   // Waiting is ours: an appsrc that blocks does not wake up when the pipeline fails.
   g_object_set(source_.get(), "caps", caps.get(), "format", GST_FORMAT_TIME, "max-bytes",
@@ -153,6 +156,7 @@ void GstreamerSink::watch() {
   GstIterator* sinks = gst_bin_iterate_sinks(GST_BIN(pipeline_.get()));
   gst_iterator_foreach(sinks, watch_sink, &progress_);
   gst_iterator_free(sinks);
+  conversions_.watch(pipeline_.get());
 }
 
 Result<void> GstreamerSink::check(const VideoFrame& frame) const {
@@ -223,6 +227,10 @@ Result<void> GstreamerSink::finish() {
   auto written = progress_.wait_for_end().and_then([this] { return progress_.state(); });
   gst_element_set_state(pipeline_.get(), GST_STATE_NULL);
   return explain(std::move(written));
+}
+
+std::optional<std::int64_t> GstreamerSink::bytes_copied() const {
+  return gate_->bytes_repacked + conversions_.bytes();
 }
 
 std::vector<std::string> GstreamerSink::warnings() const {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/gstreamer/conversion_count.hpp"
 #include "pipeline/gstreamer/gst_runtime.hpp"
 #include "pipeline/sink/audio_branch.hpp"
 #include "pipeline/sink/frame_sink.hpp"
@@ -38,6 +39,7 @@ class GstreamerSink final : public FrameSink {
 
   [[nodiscard]] Result<void> write(const VideoFrame& frame) override;
   [[nodiscard]] Result<void> finish() override;
+  [[nodiscard]] std::optional<std::int64_t> bytes_copied() const override;
   [[nodiscard]] std::vector<std::string> warnings() const override;
 
  private:
@@ -61,6 +63,7 @@ class GstreamerSink final : public FrameSink {
   std::unique_ptr<AudioBranch> audio_;
   StreamProgress progress_;
   std::unique_ptr<FrameGate> gate_;
+  ConversionCount conversions_;
   std::optional<SensorTime> first_time_;
   SensorTime last_time_;
   GstElementPtr source_;

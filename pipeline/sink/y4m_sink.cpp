@@ -153,6 +153,7 @@ Result<void> Y4mSink::write(const VideoFrame& frame) {
   append_luma(bytes_, frame);
   append_chroma(bytes_, frame, 0);
   append_chroma(bytes_, frame, 1);
+  bytes_copied_ += std::ssize(bytes_);
   if (auto written = write_bytes(); !written) {
     return written;
   }

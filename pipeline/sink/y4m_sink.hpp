@@ -25,6 +25,7 @@ class Y4mSink final : public FrameSink {
 
   [[nodiscard]] Result<void> write(const VideoFrame& frame) override;
   [[nodiscard]] Result<void> finish() override;
+  [[nodiscard]] std::optional<std::int64_t> bytes_copied() const override { return bytes_copied_; }
   [[nodiscard]] std::vector<std::string> warnings() const override { return warnings_; }
 
  private:
@@ -39,6 +40,7 @@ class Y4mSink final : public FrameSink {
   std::vector<std::string> warnings_;
   std::vector<std::uint8_t> bytes_;  ///< of the header, then of one frame after the other
   std::int64_t frames_written_ = 0;
+  std::int64_t bytes_copied_ = 0;
 };
 
 }  // namespace gimbal

@@ -45,6 +45,7 @@ class CpuWarper final : public Warper {
     return pool_.publish(std::move(picture), source.stamp, source.color);
   }
 
+  [[nodiscard]] std::int64_t bytes_copied() const override { return 0; }
   [[nodiscard]] std::string name() const override { return "cpu"; }
   [[nodiscard]] std::string renderer() const override {
     return vector_instructions() + ", threads: " + std::to_string(workers_.threads());

@@ -41,6 +41,11 @@ Result<void> check_size(std::string_view what, ImageSize size) {
   return {};
 }
 
+std::int64_t nv12_bytes(ImageSize size) {
+  const ImageSize chroma = chroma_size(size);
+  return std::int64_t{size.width} * size.height + 2 * std::int64_t{chroma.width} * chroma.height;
+}
+
 class GlesWarper final : public Warper {
  public:
   GlesWarper(std::unique_ptr<EglContext> context, MeshPainter painter, Readback readback)
@@ -66,6 +71,7 @@ class GlesWarper final : public Warper {
     return pool_.publish(std::move(picture), source.stamp, source.color);
   }
 
+  [[nodiscard]] std::int64_t bytes_copied() const override { return bytes_copied_; }
   [[nodiscard]] std::string name() const override { return "gles"; }
   [[nodiscard]] std::string renderer() const override { return renderer_; }
 
@@ -112,6 +118,7 @@ class GlesWarper final : public Warper {
     Nv12Buffer picture = pool_.take(mesh.output_size);
     planes_->luma.read(picture.luma());
     planes_->chroma.read(picture.chroma());
+    bytes_copied_ += nv12_bytes(source.size) + nv12_bytes(mesh.output_size);
     return picture;
   }
 
@@ -123,6 +130,7 @@ class GlesWarper final : public Warper {
   ImageSize output_size_;
   std::optional<Planes> planes_;
   PicturePool pool_;
+  std::int64_t bytes_copied_ = 0;
 };
 
 }  // namespace

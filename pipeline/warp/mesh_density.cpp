@@ -61,22 +61,25 @@ int whole_cells(double cells) {
 /// A linear piece of length L errs by at most f'' L² / 8, and second differences are f'' times the
 /// square of the probes' distance. The error of a cell is at most the sum of those along its sides,
 /// a / columns² + b / rows², and of what its diagonal adds for the twist, c / (columns rows).
-MeshDensity density_within(const Curvature& curvature, MeshDensity probes, double error_px) {
+ChosenDensity density_within(const Curvature& curvature, MeshDensity probes, double error_px) {
+  const double bound_px = kShareOfBound * error_px;
   const double a = curvature.along_rows * probes.columns * probes.columns / 8;
   const double b = curvature.along_columns * probes.rows * probes.rows / 8;
   const double c = curvature.twist * probes.columns * probes.rows / 4;
-  const int columns = whole_cells(std::sqrt(a / (kShareOfColumns * error_px)));
-  const double left_px = error_px - a / (columns * columns);
+  const int columns = whole_cells(std::sqrt(a / (kShareOfColumns * bound_px)));
+  const double left_px = bound_px - a / (columns * columns);
   const double twist = c / columns;
-  const double rows = (twist + std::sqrt(twist * twist + 4 * left_px * b)) / (2 * left_px);
-  return {columns, whole_cells(rows)};
+  const int rows =
+      whole_cells((twist + std::sqrt(twist * twist + 4 * left_px * b)) / (2 * left_px));
+  const double reached_px = a / (columns * columns) + b / (rows * rows) + twist / rows;
+  return {{columns, rows}, reached_px / kShareOfBound};
 }
 
 }  // namespace
 
-MeshDensity choose_mesh_density(const Lens& lens, ImageSize source_size, ReadoutDirection direction,
-                                const LineOrientation& q_world_camera, const VirtualCamera& camera,
-                                double error_px) {
+ChosenDensity choose_mesh_density(const Lens& lens, ImageSize source_size,
+                                  ReadoutDirection direction, const LineOrientation& q_world_camera,
+                                  const VirtualCamera& camera, double error_px) {
   const MeshDensity probes = reads_rows(direction) ? kProbesOfRows : kProbesOfColumns;
   const WarpMesh mesh = build_warp_mesh(lens, source_size, direction, q_world_camera, camera,
                                         source_size, Border::crop, probes);
@@ -85,7 +88,7 @@ MeshDensity choose_mesh_density(const Lens& lens, ImageSize source_size, Readout
                   [](const MeshVertex& vertex) { return vertex.output_px.allFinite(); });
   // Cells of which a corner cannot be seen are left out: the finer they are, the less is lost.
   if (!all_visible) return {};
-  return density_within(curvature_of(mesh), probes, kShareOfBound * error_px);
+  return density_within(curvature_of(mesh), probes, error_px);
 }
 
 }  // namespace gimbal

@@ -40,6 +40,8 @@ struct WarpMesh {
   /// Three a triangle, two triangles a cell of the grid, drawn in this order: cells outside of the
   /// frame first. Cells that reach behind the virtual camera are left out.
   std::vector<std::uint16_t> triangles;
+  /// Output pixels that the affine pieces are at most off the exact map; nothing if not known.
+  std::optional<double> error_px = std::nullopt;
 };
 
 /// Cells across the frame; the error of the affine pieces falls with the square of it. The default
@@ -64,13 +66,18 @@ using LineOrientation = std::function<Eigen::Quaterniond(double line)>;
                                        const VirtualCamera& camera, ImageSize output_size,
                                        Border border, MeshDensity density);
 
+struct ChosenDensity {
+  MeshDensity density;
+  std::optional<double> error_px;  ///< that it stays within
+};
+
 /// The coarsest density whose affine pieces stay within `error_px` output pixels of the exact map,
-/// for a motion that is smooth from a sixteenth of the frame's lines to the next; the default one
-/// where the virtual camera cannot see all of the frame.
-[[nodiscard]] MeshDensity choose_mesh_density(const Lens& lens, ImageSize source_size,
-                                              ReadoutDirection direction,
-                                              const LineOrientation& q_world_camera,
-                                              const VirtualCamera& camera, double error_px = 0.1);
+/// for a motion that is smooth from a sixteenth of the frame's lines to the next; the default one,
+/// whose error is not known, where the virtual camera cannot see all of the frame.
+[[nodiscard]] ChosenDensity choose_mesh_density(const Lens& lens, ImageSize source_size,
+                                                ReadoutDirection direction,
+                                                const LineOrientation& q_world_camera,
+                                                const VirtualCamera& camera, double error_px = 0.1);
 
 /// Pixels of the output whose centre lies outside of the source frame.
 [[nodiscard]] std::int64_t count_border_pixels(const WarpMesh& mesh);

@@ -25,6 +25,9 @@ class Warper {
   /// nothing. To be called, and the warper destroyed, on the thread that made the warper.
   [[nodiscard]] virtual Result<VideoFrame> warp(const VideoFrame& source, const WarpMesh& mesh) = 0;
 
+  /// Of all frames so far: what goes to a GPU's memory and back. What is drawn is not copied.
+  [[nodiscard]] virtual std::int64_t bytes_copied() const = 0;
+
   /// For reports: "gles" or "cpu", and what draws (GL_RENDERER).
   [[nodiscard]] virtual std::string name() const = 0;
   [[nodiscard]] virtual std::string renderer() const = 0;

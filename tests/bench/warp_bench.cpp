@@ -31,7 +31,7 @@ WarpMesh make_mesh(ImageSize size) {
   VirtualCamera camera;
   camera.intrinsics = {1.15 * k.fx, 1.15 * k.fy, k.cx, k.cy};
   const MeshDensity density =
-      choose_mesh_density(lens, size, ReadoutDirection::top_down, q_world_camera, camera);
+      choose_mesh_density(lens, size, ReadoutDirection::top_down, q_world_camera, camera).density;
   return build_warp_mesh(lens, size, ReadoutDirection::top_down, q_world_camera, camera, size,
                          Border::crop, density);
 }

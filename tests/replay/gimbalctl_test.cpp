@@ -1,5 +1,6 @@
 // The command line as scripts call it: what it writes, and what the files say.
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -75,6 +76,9 @@ TEST_F(Gimbalctl, StabilizesWithALogAndAReport) {
   EXPECT_EQ(report["frames"]["out"], frames);
   EXPECT_EQ(report["border_px"]["total"], 0);
   EXPECT_EQ(report["warper"], "cpu");
+  EXPECT_GT(report["mesh"]["error_bound_px"], 0);
+  EXPECT_LE(report["mesh"]["error_bound_px"], 0.1);
+  EXPECT_EQ(report["mesh"]["frames_of_unknown_error"], 0);
   EXPECT_GE(report["zoom"], 1);
   EXPECT_LT(report["rms_rate_above_1hz_rad_s"]["after"],
             report["rms_rate_above_1hz_rad_s"]["before"]);
@@ -113,6 +117,34 @@ TEST_F(Gimbalctl, WithoutAnAccelerometerTheWorldIsTheFirstFramesCamera) {
   }
 }
 
+TEST_F(Gimbalctl, CopiesAreCounted) {
+  const int frame_bytes = 320 * 240 * 3 / 2;
+  const auto copied = [&](const std::string& out) {
+    return stabilize({"-o", out})["bytes_copied_per_frame"];
+  };
+  // Planar pictures come from most decoders, and are interleaved once.
+  const Json none = copied("queue ! fakesink");
+  EXPECT_EQ(none["decode"], frame_bytes);
+  EXPECT_EQ(none["encode"], 0);
+  EXPECT_EQ(copied("videoconvert ! video/x-raw,format=I420 ! fakesink")["encode"], frame_bytes);
+  EXPECT_EQ(copied("videoconvert ! video/x-raw,format=NV12 ! fakesink")["encode"], 0);
+  EXPECT_NEAR(copied(path("out.y4m"))["encode"].get<int>(), frame_bytes, 20) << "and headers";
+}
+
+TEST_F(Gimbalctl, ThreadsAndInterpolationAreAsAsked) {
+  const Json plain = stabilize({"-o", path("plain.y4m"), "--threads", "1"});
+  EXPECT_EQ(plain["interpolation"], "bilinear");
+  EXPECT_THAT(plain["renderer"].get<std::string>(), testing::EndsWith("threads: 1"));
+  const Json sharp =
+      stabilize({"-o", path("sharp.y4m"), "--threads", "3", "--interpolation", "bicubic"});
+  EXPECT_EQ(sharp["interpolation"], "bicubic");
+  EXPECT_THAT(sharp["renderer"].get<std::string>(), testing::EndsWith("threads: 3"));
+  EXPECT_NE(lines_of(path("plain.y4m")), lines_of(path("sharp.y4m")));
+  for (const char* threads : {"0", "65", "two"}) {
+    EXPECT_EQ(gimbalctl({"stabilize", session(), "-o", "-", "--threads", threads}).exit_status, 2);
+  }
+}
+
 TEST_F(Gimbalctl, SoftwareGlesIsTakenOnlyWhenAskedFor) {
   ASSERT_EQ(setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1), 0);  // Mesa's; for the programs run from here
   const Json unset = stabilize_with({}, {"-o", path("out.mkv")});
@@ -124,6 +156,9 @@ TEST_F(Gimbalctl, SoftwareGlesIsTakenOnlyWhenAskedFor) {
   const std::string renderer = asked["gl_renderer"];
   EXPECT_EQ(asked["warper"], "gles");
   EXPECT_EQ(asked["warper_reason"], "asked for");
+  // To the renderer's memory and back; what is drawn on the CPU is not copied.
+  EXPECT_EQ(asked["bytes_copied_per_frame"]["warp"], 2 * 320 * 240 * 3 / 2);
+  EXPECT_EQ(unset["bytes_copied_per_frame"]["warp"], 0);
   EXPECT_EQ(unset["warper_reason"], "no GPU: GLES would draw with " + renderer);
 }
 
