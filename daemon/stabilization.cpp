@@ -42,6 +42,12 @@ const std::map<std::string, Interpolation>& interpolation_names() {
   return names;
 }
 
+const std::map<std::string, OutputLens>& output_lens_names() {
+  static const std::map<std::string, OutputLens> names = {{"rectilinear", OutputLens::rectilinear},
+                                                          {"kept", OutputLens::kept}};
+  return names;
+}
+
 const std::map<std::string, Border>& border_names() {
   static const std::map<std::string, Border> names = {{"crop", Border::crop},
                                                       {"extend", Border::extend},
@@ -84,6 +90,8 @@ StabilizerOptions stabilizer_options(const StabilizationSettings& settings) {
   options.zoom = zoom_choice(settings);
   options.latency = settings.latency;
   options.reference_line = settings.reference_line;
+  options.output_lens = settings.output_lens;
+  options.output_fov_deg = settings.output_fov_deg;
   return options;
 }
 

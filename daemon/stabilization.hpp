@@ -26,7 +26,11 @@ enum class Correction : std::uint8_t { rectify_and_stabilize, rectify_only };
 [[nodiscard]] const std::map<std::string, PathKind>& path_names();
 [[nodiscard]] const std::map<std::string, WarperKind>& warper_names();
 [[nodiscard]] const std::map<std::string, Interpolation>& interpolation_names();
+[[nodiscard]] const std::map<std::string, OutputLens>& output_lens_names();
 [[nodiscard]] const std::map<std::string, Border>& border_names();
+
+constexpr double kNarrowestOutputFov_deg = 1;
+constexpr double kWidestOutputFov_deg = 150;
 
 constexpr int kMostDrawingThreads = 64;
 
@@ -51,7 +55,9 @@ struct StabilizationSettings {
   Border border = Border::crop;
   std::optional<WarperKind> warper;  ///< none: GLES on a GPU, else the CPU
   Interpolation interpolation = Interpolation::bilinear;
-  std::optional<int> threads;  ///< that draw a frame on the CPU; none: as many as pay
+  OutputLens output_lens = OutputLens::rectilinear;
+  std::optional<double> output_fov_deg;  ///< none: the focal length that the camera has
+  std::optional<int> threads;            ///< that draw a frame on the CPU; none: as many as pay
   EstimatorKind estimator = EstimatorKind::ekf;
   PathKind path = PathKind::adaptive_hann;
   Correction correction = Correction::rectify_and_stabilize;

@@ -57,6 +57,16 @@ void read_stabilization(TomlTable& table, StabilizationSettings& settings) {
     settings.warper = kind;
   }
   read_choice(table, "interpolation", interpolation_names(), settings.interpolation);
+  read_choice(table, "output_lens", output_lens_names(), settings.output_lens);
+  if (const auto fov = table.number("output_fov_deg")) {
+    if (!(*fov >= kNarrowestOutputFov_deg && *fov <= kWidestOutputFov_deg)) {
+      table.refuse("output_fov_deg", "must be from 1 to 150");
+    }
+    settings.output_fov_deg = *fov;
+  }
+  if (settings.output_fov_deg && settings.output_lens == OutputLens::kept) {
+    table.refuse("output_fov_deg", "is for output_lens = \"rectilinear\"");
+  }
   if (const auto threads = table.integer("threads", 1, kMostDrawingThreads)) {
     settings.threads = static_cast<int>(*threads);
   }

@@ -31,6 +31,12 @@ std::vector<std::string> changed_other_keys(const Configuration& before,
   if (before.stabilization.interpolation != after.stabilization.interpolation) {
     keys.emplace_back("stabilization.interpolation");
   }
+  if (before.stabilization.output_lens != after.stabilization.output_lens) {
+    keys.emplace_back("stabilization.output_lens");
+  }
+  if (before.stabilization.output_fov_deg != after.stabilization.output_fov_deg) {
+    keys.emplace_back("stabilization.output_fov_deg");
+  }
   if (before.stabilization.threads != after.stabilization.threads) {
     keys.emplace_back("stabilization.threads");
   }

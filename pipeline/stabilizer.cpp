@@ -142,7 +142,7 @@ std::optional<VirtualCamera> Stabilizer::next_camera() {
   const auto view = limiter_.pop();
   if (!view) return std::nullopt;
   return VirtualCamera{view->steady.stamp, view->steady.q_world_camera,
-                       zoomed(unzoomed(), camera_.size, view->zoom)};
+                       zoomed(unzoomed(), camera_.size, view->zoom), options_.output_lens};
 }
 
 WarpMesh Stabilizer::mesh_for(const VirtualCamera& camera) const {
@@ -195,8 +195,7 @@ SensorTime Stabilizer::readout_end(const FrameStamp& stamp) const {
 }
 
 PinholeIntrinsics Stabilizer::unzoomed() const {
-  const Eigen::Matrix3d& K = camera_.lens.K;
-  return {K(0, 0), K(1, 1), K(0, 2), K(1, 2)};
+  return output_intrinsics(camera_.lens, camera_.size, options_.output_fov_deg);
 }
 
 RequiredZoom Stabilizer::required_zoom_of(const FrameStamp& stamp) const {
@@ -205,8 +204,9 @@ RequiredZoom Stabilizer::required_zoom_of(const FrameStamp& stamp) const {
   }
   return [outline = trace_outline(lens_, camera_.size, camera_.readout_direction,
                                   orientation_of(stamp), kOutlinePointsPerSide),
-          intrinsics = unzoomed(), size = camera_.size](const Eigen::Quaterniond& q_world_camera) {
-    return required_zoom(outline, q_world_camera, intrinsics, size);
+          lens = lens_, output = options_.output_lens, intrinsics = unzoomed(),
+          size = camera_.size](const Eigen::Quaterniond& q_world_camera) {
+    return required_zoom(outline, q_world_camera, {output, lens, intrinsics}, size);
   };
 }
 

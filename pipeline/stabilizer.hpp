@@ -28,6 +28,9 @@ struct StabilizerOptions {
   /// The line, in pixels along the readout, that a rectified frame is drawn at; the middle if none.
   std::optional<double> reference_line;
   std::optional<MeshDensity> mesh;  ///< none: as coarse as each frame allows
+  OutputLens output_lens = OutputLens::rectilinear;
+  /// Of a rectilinear picture at zoom 1; none: the real camera's focal lengths and centre.
+  std::optional<double> output_fov_deg;
 };
 
 /// From samples and frame stamps to the mesh of each frame:
@@ -69,6 +72,9 @@ class Stabilizer {
   /// The virtual camera of the next frame, in order.
   [[nodiscard]] std::optional<VirtualCamera> next_camera();
 
+  /// What a virtual camera has at zoom 1.
+  [[nodiscard]] PinholeIntrinsics unzoomed() const;
+
   /// The way from a frame to the picture that `camera` shows of it.
   [[nodiscard]] WarpMesh mesh_for(const VirtualCamera& camera) const;
 
@@ -103,7 +109,6 @@ class Stabilizer {
   [[nodiscard]] Eigen::Quaterniond q_world_camera(SensorTime time) const;
   [[nodiscard]] LineOrientation orientation_of(const FrameStamp& stamp) const;
   [[nodiscard]] SensorTime readout_end(const FrameStamp& stamp) const;
-  [[nodiscard]] PinholeIntrinsics unzoomed() const;
   [[nodiscard]] RequiredZoom required_zoom_of(const FrameStamp& stamp) const;
   void release_waiting();
   void take_attitudes();

@@ -19,6 +19,7 @@ struct Arguments {
   std::string zoom = "auto";
   std::string warper;
   std::string interpolation = "bilinear";
+  std::string output_lens = "rectilinear";
   std::string border = "crop";
   std::string path = "adaptive-hann";
   std::string estimator = "ekf";
@@ -59,6 +60,10 @@ Result<void> run(Arguments& arguments) {
   request.zoom = *zoom;
   if (!arguments.warper.empty()) request.warper = warper_names().at(arguments.warper);
   request.interpolation = interpolation_names().at(arguments.interpolation);
+  request.output_lens = output_lens_names().at(arguments.output_lens);
+  if (request.output_fov_deg && request.output_lens == OutputLens::kept) {
+    return bad_input("--output-fov: is for --output-lens rectilinear");
+  }
   request.border = border_names().at(arguments.border);
   request.path = path_names().at(arguments.path);
   request.estimator = estimator_names().at(arguments.estimator);
@@ -96,6 +101,14 @@ void add_options(CLI::App& command, Arguments& arguments) {
                   "How the picture is read between its pixels")
       ->transform(CLI::IsMember(names_of(interpolation_names())))
       ->option_text("bilinear|bicubic [bilinear]");
+  command.add_option("--output-lens", arguments.output_lens, "What the picture looks taken with")
+      ->transform(CLI::IsMember(names_of(output_lens_names())))
+      ->option_text("rectilinear|kept [rectilinear]");
+  command
+      .add_option("--output-fov", request.output_fov_deg,
+                  "How many degrees a rectilinear picture is wide")
+      ->check(CLI::Range(kNarrowestOutputFov_deg, kWidestOutputFov_deg))
+      ->option_text("DEG");
   command.add_option("--estimator", arguments.estimator, "How orientation is estimated")
       ->transform(CLI::IsMember(names_of(estimator_names())))
       ->option_text("ekf|thesis [ekf]");

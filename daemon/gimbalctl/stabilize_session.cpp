@@ -299,7 +299,7 @@ Result<VideoFrame> Job::warp(const VideoFrame& frame, const WarpMesh& mesh) {
 }
 
 void Job::note(const VirtualCamera& camera, std::int64_t border_px) {
-  const double zoom = camera.intrinsics.fx / session_.camera->lens.K(0, 0);
+  const double zoom = camera.intrinsics.fx / stabilizer_->unzoomed().fx;
   report_.zoom_sum += zoom;
   report_.zoom_most = std::max(report_.zoom_most, zoom);
   report_.view_sum += 1 / (zoom * zoom);

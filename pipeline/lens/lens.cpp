@@ -94,10 +94,13 @@ Lens::Model Lens::make_model(const LensParameters& parameters) {
   return PinholeModel();
 }
 
-std::optional<Eigen::Vector2d> Lens::project(const Eigen::Vector3d& ray_camera) const {
+std::optional<Eigen::Vector2d> Lens::image_point(const Eigen::Vector3d& ray_camera) const {
   if (!ray_camera.allFinite()) return std::nullopt;
-  const auto point =
-      std::visit([&](const auto& model) { return model.image_point(ray_camera); }, model_);
+  return std::visit([&](const auto& model) { return model.image_point(ray_camera); }, model_);
+}
+
+std::optional<Eigen::Vector2d> Lens::project(const Eigen::Vector3d& ray_camera) const {
+  const auto point = image_point(ray_camera);
   if (!point) return std::nullopt;
   const Eigen::Matrix3d& K = parameters_.K;
   return Eigen::Vector2d(K(0, 0) * point->x() + K(0, 2), K(1, 1) * point->y() + K(1, 2));

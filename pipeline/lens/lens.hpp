@@ -23,6 +23,9 @@ class Lens {
   /// the radius where distortion folds back; a fisheye lens may see more than 90° off its axis).
   [[nodiscard]] std::optional<Eigen::Vector2d> project(const Eigen::Vector3d& ray_camera) const;
 
+  /// The same in units of the focal length, from the principal point.
+  [[nodiscard]] std::optional<Eigen::Vector2d> image_point(const Eigen::Vector3d& ray_camera) const;
+
   /// Unit ray of a pixel, exact to 1e-9; nothing where no ray leads to it.
   [[nodiscard]] std::optional<Eigen::Vector3d> unproject(const Eigen::Vector2d& pixel) const;
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cstdint>
 
 #include "pipeline/sample/video_frame.hpp"
 
@@ -15,11 +16,19 @@ struct PinholeIntrinsics {
   double cy = 0;
 };
 
-/// The steady camera whose picture is written for one frame.
+/// What the written picture looks like it was taken with.
+enum class OutputLens : std::uint8_t {
+  rectilinear,  ///< none: straight lines are straight
+  kept,         ///< the real camera's, with its distortion
+};
+
+/// The steady camera whose picture is written for one frame. With the lens kept, what an ideal
+/// camera has at X/Z and Y/Z lies where the distortion takes it.
 struct VirtualCamera {
   FrameStamp stamp;
   Eigen::Quaterniond q_world_camera = Eigen::Quaterniond::Identity();
   PinholeIntrinsics intrinsics;
+  OutputLens lens = OutputLens::rectilinear;
 };
 
 }  // namespace gimbal

@@ -22,19 +22,17 @@ Vector2d center_of(ImageSize size) {
 /// the output at zoom z is the square |x|, |y| <= 1/z. Nothing if part of the outline is behind it.
 std::optional<std::vector<Vector2d>> seen_from(const FrameOutline& outline,
                                                const Eigen::Quaterniond& q_world_camera,
-                                               const PinholeIntrinsics& intrinsics,
+                                               const OutputProjection& projection,
                                                ImageSize output_size) {
-  constexpr double kNearPlane = 1e-3;
   const Vector2d center = center_of(output_size);
   const Eigen::Matrix3d R_camera_world = q_world_camera.conjugate().toRotationMatrix();
   std::vector<Vector2d> points;
   points.reserve(outline.rays_world.size());
   for (const Eigen::Vector3f& ray_world : outline.rays_world) {
     const Vector3d ray = R_camera_world * ray_world.cast<double>();
-    if (ray.z() < kNearPlane) return std::nullopt;
-    const Vector2d pixel(intrinsics.fx * ray.x() / ray.z() + intrinsics.cx,
-                         intrinsics.fy * ray.y() / ray.z() + intrinsics.cy);
-    points.emplace_back((pixel - center).cwiseQuotient(center));
+    const auto pixel = projection.pixel_of(ray);
+    if (!pixel) return std::nullopt;
+    points.emplace_back((*pixel - center).cwiseQuotient(center));
   }
   return points;
 }
@@ -94,7 +92,7 @@ FrameOutline trace_outline(const Lens& lens, ImageSize size, ReadoutDirection di
 }
 
 double required_zoom(const FrameOutline& outline, const Eigen::Quaterniond& q_world_camera,
-                     const PinholeIntrinsics& unzoomed, ImageSize output_size) {
+                     const OutputProjection& unzoomed, ImageSize output_size) {
   const auto polygon = seen_from(outline, q_world_camera, unzoomed, output_size);
   if (!polygon || polygon->size() < 3 || !contains_origin(*polygon)) return kInfinity;
   double least = kInfinity;

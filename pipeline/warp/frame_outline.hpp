@@ -8,6 +8,7 @@
 #include "pipeline/sample/calibration.hpp"
 #include "pipeline/sample/video_frame.hpp"
 #include "pipeline/sample/virtual_camera.hpp"
+#include "pipeline/warp/output_projection.hpp"
 #include "pipeline/warp/warp_mesh.hpp"
 
 namespace gimbal {
@@ -25,11 +26,11 @@ struct FrameOutline {
                                          int points_per_side);
 
 /// The smallest zoom, about the centre of the output, at which every output pixel of the camera
-/// lies inside the outline; infinite if the centre itself sees past the edge. `camera` is taken at
-/// zoom 1 with its principal point anywhere.
+/// lies inside the outline; infinite if the centre itself sees past the edge. `unzoomed` is the
+/// camera's projection at zoom 1, its principal point anywhere.
 [[nodiscard]] double required_zoom(const FrameOutline& outline,
                                    const Eigen::Quaterniond& q_world_camera,
-                                   const PinholeIntrinsics& unzoomed, ImageSize output_size);
+                                   const OutputProjection& unzoomed, ImageSize output_size);
 
 /// Magnifies about the centre of the picture.
 [[nodiscard]] PinholeIntrinsics zoomed(const PinholeIntrinsics& intrinsics, ImageSize size,

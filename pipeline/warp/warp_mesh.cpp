@@ -4,12 +4,10 @@
 #include <cstddef>
 #include <limits>
 
+#include "pipeline/warp/output_projection.hpp"
+
 namespace gimbal {
 namespace {
-
-// Rays closer than this to the virtual camera's image plane (its sine, about 3 degrees) would land
-// tens of focal lengths away, where triangles say nothing and coordinates lose their precision.
-constexpr double kMinForward = 0.05;
 
 constexpr int kMaxCells = 250;  // with the ring, 253 x 253 vertices still have 16-bit indices
 
@@ -46,17 +44,13 @@ Eigen::Vector2f not_visible() {
   return Eigen::Vector2f::Constant(std::numeric_limits<float>::quiet_NaN());
 }
 
-Eigen::Vector2f project(const PinholeIntrinsics& k, const Eigen::Vector3d& unit_ray) {
-  if (unit_ray.z() < kMinForward) return not_visible();
-  const Eigen::Vector2d pixel(k.fx * unit_ray.x() / unit_ray.z() + k.cx,
-                              k.fy * unit_ray.y() / unit_ray.z() + k.cy);
-  return pixel.cast<float>();
-}
-
 MeshVertex make_vertex(const Lens& lens, const Eigen::Vector2d& source_px,
-                       const Eigen::Matrix3d& R_virtual_camera, const PinholeIntrinsics& k) {
+                       const Eigen::Matrix3d& R_virtual_camera,
+                       const OutputProjection& projection) {
   const std::optional<Eigen::Vector3d> ray = lens.unproject(source_px);
-  return {source_px.cast<float>(), ray ? project(k, R_virtual_camera * *ray) : not_visible()};
+  std::optional<Eigen::Vector2d> output_px;
+  if (ray) output_px = projection.pixel_of(R_virtual_camera * *ray);
+  return {source_px.cast<float>(), output_px ? output_px->cast<float>() : not_visible()};
 }
 
 bool is_visible(const MeshVertex& vertex) {
@@ -119,13 +113,13 @@ std::vector<MeshVertex> make_vertices(const Lens& lens, const Grid& grid, ImageS
   const std::vector<Eigen::Matrix3d> turns =
       by_rows ? turns_to_virtual(grid.y, source_size.height, q_world_camera, camera)
               : turns_to_virtual(grid.x, source_size.width, q_world_camera, camera);
+  const OutputProjection projection(camera.lens, lens, camera.intrinsics);
   std::vector<MeshVertex> vertices;
   vertices.reserve(grid.x.size() * grid.y.size());
   for (std::size_t row = 0; row < grid.y.size(); ++row) {
     for (std::size_t column = 0; column < grid.x.size(); ++column) {
       const Eigen::Vector2d source_px(grid.x[column], grid.y[row]);
-      vertices.push_back(
-          make_vertex(lens, source_px, turns[by_rows ? row : column], camera.intrinsics));
+      vertices.push_back(make_vertex(lens, source_px, turns[by_rows ? row : column], projection));
     }
   }
   return vertices;

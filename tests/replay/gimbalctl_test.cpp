@@ -145,6 +145,27 @@ TEST_F(Gimbalctl, ThreadsAndInterpolationAreAsAsked) {
   }
 }
 
+TEST_F(Gimbalctl, TheOutputsLensIsAsAsked) {
+  const Json kept = stabilize({"-o", path("kept.y4m"), "--output-lens", "kept"});
+  EXPECT_EQ(kept["border_px"]["total"], 0);
+  const auto focal_length = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> all = {"-o", path("out.y4m"), "--path-log", path("path.csv"), "--zoom",
+                                    "1",  "--border",      "black"};
+    all.insert(all.end(), options.begin(), options.end());
+    EXPECT_EQ(stabilize(all)["zoom"], 1);
+    std::istringstream fields(lines_of(path("path.csv")).at(1));
+    std::string field;
+    for (int i = 0; i < 7; ++i) std::getline(fields, field, ',');
+    return std::stod(field);
+  };
+  EXPECT_NEAR(focal_length({"--output-fov", "90"}), 160, 1e-6) << "half of 320 pixels";
+  EXPECT_GT(focal_length({}), 200);
+  const auto both = gimbalctl({"stabilize", session(), "-o", path("no.y4m"), "--output-lens",
+                               "kept", "--output-fov", "90"});
+  EXPECT_EQ(both.exit_status, 2);
+  EXPECT_THAT(both.standard_error, testing::HasSubstr("--output-fov"));
+}
+
 TEST_F(Gimbalctl, SoftwareGlesIsTakenOnlyWhenAskedFor) {
   ASSERT_EQ(setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1), 0);  // Mesa's; for the programs run from here
   const Json unset = stabilize_with({}, {"-o", path("out.mkv")});
