@@ -149,7 +149,6 @@ HWY_INLINE void with_sampler(BilinearKernel kernel, B blocks, const BlockPlan& p
   const typename B::Unsigned du;
   const typename B::Signed di;
   const typename B::Output d_out;
-  constexpr int kRowOne = 1 << kRowFractionBits;
   // Weights are bytes, so their sum is 255 at most; twice 127 makes the last division cheap.
   constexpr int kWeightOne = 254;
 
@@ -161,7 +160,7 @@ HWY_INLINE void with_sampler(BilinearKernel kernel, B blocks, const BlockPlan& p
   const auto weight_scale = held(di, kWeightOne << (15 - B::kColumnBits));
   const auto weight_both = held(du, 0xFF);
   const auto weight_one = held(du, kWeightOne);
-  const auto row_fraction = held(di, kRowOne - 1);
+  const auto row_fraction = held(di, (1 << kRowFractionBits) - 1);
   const auto sign = held(bytes, 0x80);
   const auto sign_out = held(d_out, 0x80);
   const auto level_scale = held(di, 129);  // 129 / 2^15 is 1 / 254 to within 1 / 16000
@@ -206,6 +205,45 @@ HWY_INLINE void with_sampler(BilinearKernel kernel, B blocks, const BlockPlan& p
   });
 }
 
+/// See CatmullRomKernel::weights. Of a fraction t and of s = 1 - t, both with 15 bits: t s s and
+/// t t s.
+template <class V>
+HWY_INLINE void bend(V t, V s, V& curved_s, V& curved_t) {
+  const auto u = hn::MulFixedPoint15(t, s);
+  curved_s = hn::MulFixedPoint15(u, s);
+  curved_t = hn::MulFixedPoint15(u, t);
+}
+
+/// Two weights of 15 bits for each lane as bytes, of which `scale` is one.
+template <class B>
+HWY_INLINE hn::Vec<typename B::Bytes> as_pairs(B, hn::Vec<typename B::Signed> first,
+                                               hn::Vec<typename B::Signed> second,
+                                               hn::Vec<typename B::Signed> scale) {
+  const auto low = hn::MulFixedPoint15(first, scale);
+  const auto high = hn::ShiftLeft<8>(hn::MulFixedPoint15(second, scale));
+  return hn::BitCast(typename B::Bytes(), hn::Or(low, high));
+}
+
+/// The sum down four rows of five: the lower four where the sign of `rows` is set, which otherwise
+/// has the fraction.
+template <class V>
+HWY_INLINE V sum_down(V rows, V fraction_one, V row_0, V row_1, V row_2, V row_3, V row_4) {
+  const auto t = hn::And(rows, fraction_one);
+  const auto s = hn::Xor(t, fraction_one);
+  V curved_s;
+  V curved_t;
+  bend(t, s, curved_s, curved_t);
+  const auto outer_s = hn::ShiftRight<1>(curved_s);
+  const auto outer_t = hn::ShiftRight<1>(curved_t);
+  const auto upper_inner = hn::MulFixedPoint15(hn::IfNegativeThenElse(rows, row_2, row_1),
+                                               hn::Add(s, hn::Sub(curved_s, outer_t)));
+  const auto lower_inner = hn::MulFixedPoint15(hn::IfNegativeThenElse(rows, row_3, row_2),
+                                               hn::Add(t, hn::Sub(curved_t, outer_s)));
+  const auto upper_outer = hn::MulFixedPoint15(hn::IfNegativeThenElse(rows, row_1, row_0), outer_s);
+  const auto lower_outer = hn::MulFixedPoint15(hn::IfNegativeThenElse(rows, row_4, row_3), outer_t);
+  return hn::Sub(hn::Add(upper_inner, lower_inner), hn::Add(upper_outer, lower_outer));
+}
+
 /// The same with 4 x 4 taps. Weights of the inner two taps, together at most 9/8, are bytes of
 /// which 226 is one; those of the outer two, together at most -1/8, have eight times the scale.
 template <class B, class Paint>
@@ -214,7 +252,6 @@ HWY_INLINE void with_sampler(CatmullRomKernel kernel, B blocks, const BlockPlan&
   const typename B::Bytes bytes;
   const typename B::Unsigned du;
   const typename B::Signed di;
-  const typename B::Output d_out;
   constexpr int kInnerOne = 226;
   constexpr int kOuterOne = 8 * kInnerOne;
 
@@ -228,75 +265,46 @@ HWY_INLINE void with_sampler(CatmullRomKernel kernel, B blocks, const BlockPlan&
   const auto half_outer_one = held(di, kOuterOne / 2);
   const auto fraction_one = held(di, (1 << kRowFractionBits) - 1);
   const auto sign = held(bytes, 0x80);
-  const auto sign_out = held(d_out, 0x80);
+  const auto sign_out = held(typename B::Output(), 0x80);
   const auto level_scale = held(di, 290);  // 290 / 2^15 is 2 / 226 to within 1 / 16000
-
   const std::ptrdiff_t stride = source.memory.stride_bytes;
   const std::ptrdiff_t table_starts[] = {plan.table_starts[0], plan.table_starts[1]};
   const FixedPx row_shift = plan.row_shift;
 
   paint([&](FixedPoint at) HWY_ATTR {
-    // See CatmullRomKernel::weights; u is t s, and what is named curved is t s s and t t s.
     const auto columns = hn::Add(hn::Set(du, fraction<B::kColumnBits>(at.x)), lane_columns);
-    const auto inner =
+    const auto places =
         hn::Add(hn::Mul(hn::ShiftRight<B::kColumnBits>(columns), place_step), lane_places);
-    const auto inner_places = hn::BitCast(bytes, inner);
-    const auto outer_places = hn::BitCast(bytes, hn::Add(inner, inner_to_outer));
-    const auto x_t =
+    const auto t =
         hn::BitCast(di, hn::ShiftLeft<15 - B::kColumnBits>(hn::And(columns, column_fraction)));
-    const auto x_s = hn::Xor(x_t, fraction_one);
-    const auto x_u = hn::MulFixedPoint15(x_t, x_s);
-    const auto x_curved_s = hn::MulFixedPoint15(x_u, x_s);
-    const auto x_curved_t = hn::MulFixedPoint15(x_u, x_t);
-    const auto as_pair = [&](hn::Vec<decltype(di)> first, hn::Vec<decltype(di)> second,
-                             hn::Vec<decltype(di)> scale) HWY_ATTR {
-      const auto low = hn::MulFixedPoint15(first, scale);
-      const auto high = hn::ShiftLeft<8>(hn::MulFixedPoint15(second, scale));
-      return hn::BitCast(bytes, hn::Or(low, high));
-    };
+    const auto s = hn::Xor(t, fraction_one);
+    hn::Vec<decltype(di)> curved_s;
+    hn::Vec<decltype(di)> curved_t;
+    bend(t, s, curved_s, curved_t);
     const auto inner_weights =
-        as_pair(hn::Add(x_s, hn::Sub(x_curved_s, hn::ShiftRight<1>(x_curved_t))),
-                hn::Add(x_t, hn::Sub(x_curved_t, hn::ShiftRight<1>(x_curved_s))), inner_one);
-    const auto outer_weights = as_pair(x_curved_s, x_curved_t, half_outer_one);
+        as_pairs(blocks, hn::Add(s, hn::Sub(curved_s, hn::ShiftRight<1>(curved_t))),
+                 hn::Add(t, hn::Sub(curved_t, hn::ShiftRight<1>(curved_s))), inner_one);
+    const auto outer_weights = as_pairs(blocks, curved_s, curved_t, half_outer_one);
 
     const FixedPx first_row = at.y + row_shift;
     const std::uint8_t* row = first_tap_row(blocks, kernel, source, at, first_row);
     hwy::Prefetch(row + kRowsAhead * stride);
-    const auto across = [&](const std::uint8_t* from) HWY_ATTR {
+    const auto sum_across = [&](const std::uint8_t* from) HWY_ATTR {
       const auto tables = hn::Xor(load_tables(blocks, from, table_starts), sign);
-      const auto inner_sum =
-          weighed_sums(blocks, inner_weights, look_up(blocks, tables, inner_places));
-      const auto outer_sum =
-          weighed_sums(blocks, outer_weights, look_up(blocks, tables, outer_places));
-      return hn::Sub(hn::ShiftRight<1>(inner_sum), hn::ShiftRight<4>(outer_sum));
+      const auto inner = look_up(blocks, tables, hn::BitCast(bytes, places));
+      const auto outer =
+          look_up(blocks, tables, hn::BitCast(bytes, hn::Add(places, inner_to_outer)));
+      return hn::Sub(hn::ShiftRight<1>(weighed_sums(blocks, inner_weights, inner)),
+                     hn::ShiftRight<4>(weighed_sums(blocks, outer_weights, outer)));
     };
-    const auto row_0 = across(row);
-    const auto row_1 = across(row + stride);
-    const auto row_2 = across(row + 2 * stride);
-    const auto row_3 = across(row + 3 * stride);
-    const auto row_4 = across(row + 4 * stride);
-
     const auto rows =
         hn::BitCast(di, hn::Add(hn::Set(du, fraction<kRowFractionBits>(first_row)), lane_rows));
-    const auto y_t = hn::And(rows, fraction_one);
-    const auto y_s = hn::Xor(y_t, fraction_one);
-    const auto y_u = hn::MulFixedPoint15(y_t, y_s);
-    const auto y_curved_s = hn::MulFixedPoint15(y_u, y_s);
-    const auto y_curved_t = hn::MulFixedPoint15(y_u, y_t);
-    const auto y_outer_s = hn::ShiftRight<1>(y_curved_s);
-    const auto y_outer_t = hn::ShiftRight<1>(y_curved_t);
-    const auto upper_inner = hn::MulFixedPoint15(hn::IfNegativeThenElse(rows, row_2, row_1),
-                                                 hn::Add(y_s, hn::Sub(y_curved_s, y_outer_t)));
-    const auto lower_inner = hn::MulFixedPoint15(hn::IfNegativeThenElse(rows, row_3, row_2),
-                                                 hn::Add(y_t, hn::Sub(y_curved_t, y_outer_s)));
-    const auto upper_outer =
-        hn::MulFixedPoint15(hn::IfNegativeThenElse(rows, row_1, row_0), y_outer_s);
-    const auto lower_outer =
-        hn::MulFixedPoint15(hn::IfNegativeThenElse(rows, row_4, row_3), y_outer_t);
-    const auto sums = hn::Sub(hn::Add(upper_inner, lower_inner), hn::Add(upper_outer, lower_outer));
+    const auto sums = sum_down(rows, fraction_one, sum_across(row), sum_across(row + stride),
+                               sum_across(row + 2 * stride), sum_across(row + 3 * stride),
+                               sum_across(row + 4 * stride));
     const auto levels =
         hn::DemoteTo(typename B::OutputSigned(), hn::MulFixedPoint15(sums, level_scale));
-    return hn::Xor(hn::BitCast(d_out, levels), sign_out);
+    return hn::Xor(hn::BitCast(typename B::Output(), levels), sign_out);
   });
 }
 
