@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pipeline/sample/upright.hpp"
-
 namespace gimbal {
 namespace {
 
@@ -15,9 +13,6 @@ using Index = ErrorIndex;
 // plausibility check to name.
 constexpr double kLargestRate_rad_s = 1e3;
 constexpr double kLargestAccel_m_s2 = 1e4;
-
-// In free fall the specific force has no direction to start from.
-constexpr double kSmallestAccelForTilt_m_s2 = 0.1 * kGravity_m_s2;
 
 constexpr double square(double x) {
   return x * x;
@@ -71,7 +66,6 @@ AttitudeEkf::AttitudeEkf(const AttitudeEkfParameters& parameters) : parameters_(
   state_.filter.mean().gyro_bias_rad_s = bias.bias_rad_s;
   ErrorCovariance& P = state_.filter.covariance();
   set_variance(P, Index::gyro_bias, bias.sigma_rad_s.cwiseAbs2());
-  set_variance(P, Index::velocity, Eigen::Vector3d::Constant(square(p.start_velocity_sigma_m_s)));
   set_variance(P, Index::accel_bias, Eigen::Vector3d::Constant(square(p.accel_bias_sigma_m_s2)));
   set_variance(P, Index::gyro_scale, Eigen::Vector3d::Constant(square(p.gyro_scale_sigma)));
   P(Index::accel_scale, Index::accel_scale) = square(p.accel_scale_sigma);
@@ -120,14 +114,11 @@ bool AttitudeEkf::accel_is_usable(const ImuSample& sample) {
 }
 
 void AttitudeEkf::start(const ImuSample& sample) {
-  state_.step.time = sample.time;
   state_.rate_mean_rad_s = sample.gyro_rad_s;
   state_.step_rate_rad_s = sample.gyro_rad_s;
-  if (sample.accel_m_s2) set_tilt(*sample.accel_m_s2);
-  if (state_.step_count == 0) {
-    state_.step.attitude_rows = state_.filter.covariance().topRows<3>();
-    ++state_.step_count;
-  }
+  begin_step(sample.time);
+  start_alignment(sample);
+  end_step();
 }
 
 void AttitudeEkf::continue_with(const ImuSample& sample) {
@@ -140,21 +131,19 @@ void AttitudeEkf::continue_with(const ImuSample& sample) {
   }
   bridge_or_advance(sample, interval_s);
   learn_intervals(interval_s);
-  state_.step.time = sample.time;
-  const bool wants_tilt = !state_.tilt_is_known && sample.accel_m_s2.has_value();
-  if (wants_tilt && set_tilt(*sample.accel_m_s2)) return;
+  if (!state_.tilt_is_known && !state_.alignment.has_started() && sample.accel_m_s2) {
+    state_.alignment.start(state_.filter.mean().q_world_imu * *sample.accel_m_s2);
+  }
   if (state_.filter.pending().interval_s + 0.5 * state_.usual_interval_s >=
       to_seconds(parameters_.step)) {
     learn_rate_walk(sample, state_.filter.pending().interval_s);
-    close_step();
+    close_step(sample.time);
   }
 }
 
 void AttitudeEkf::bridge_or_advance(const ImuSample& sample, double interval_s) {
   Eigen::Vector3d gyro_rad_s = 0.5 * (state_.last->gyro_rad_s + sample.gyro_rad_s);
-  // Before the tilt is known, the force has no axes to be used in.
-  const std::optional<Eigen::Vector3d> accel_m_s2 =
-      state_.tilt_is_known ? mean_accel(*state_.last, sample) : std::nullopt;
+  const std::optional<Eigen::Vector3d> accel_m_s2 = mean_accel(*state_.last, sample);
   const bool is_gap = state_.usual_interval_s > 0 &&
                       interval_s > parameters_.gap_intervals * state_.usual_interval_s;
   IntervalNoise noise = noise_of(gyro_rad_s, accel_m_s2, interval_s);
@@ -221,77 +210,104 @@ void AttitudeEkf::learn_rate_walk(const ImuSample& sample, double interval_s) {
                               (change.squaredNorm() / interval_s - state_.rate_walk_rad2_s3);
 }
 
-bool AttitudeEkf::set_tilt(const Eigen::Vector3d& accel_m_s2) {
-  if (accel_m_s2.norm() < kSmallestAccelForTilt_m_s2) return false;
-  InertialState& mean = state_.filter.mean();
-  const Eigen::Quaterniond turn = turn_upright(mean.q_world_imu * accel_m_s2);
-  mean.q_world_imu = (turn * mean.q_world_imu).normalized();
-  mean.velocity_m_s.setZero();
-  state_.velocity_mean_m_s.setZero();
-  state_.seen_velocity_density_m2_s = parameters_.start_velocity_density_m2_s;
-  ErrorCovariance& P = state_.filter.covariance();
-  const double tilt = square(parameters_.start_tilt_sigma_rad);
-  const double heading = P(Index::attitude + 2, Index::attitude + 2);
-  set_variance(P, Index::attitude, {tilt, tilt, heading});
-  set_variance(P, Index::velocity,
-               Eigen::Vector3d::Constant(square(parameters_.start_velocity_sigma_m_s)));
-  state_.filter.discard_step();
-  state_.tilt_is_known = true;
-  state_.step.transition = {};
-  state_.step.world_turn = turn;
-  state_.step.update_count = 0;
-  state_.step.attitude_correction.setZero();
-  state_.step.attitude_rows = P.topRows<3>();
-  ++state_.step_count;
-  return true;
+void AttitudeEkf::start_alignment(const ImuSample& sample) {
+  state_.tilt_is_known = false;
+  state_.alignment = TiltAlignment(parameters_.alignment);
+  if (!sample.accel_m_s2) return;
+  // Upright as far as that goes: what is said of the vertical meanwhile is not far from it.
+  Eigen::Quaterniond& q = state_.filter.mean().q_world_imu;
+  state_.alignment.start(q * *sample.accel_m_s2);
+  q = (state_.alignment.turn_upright({}) * q).normalized();
+  state_.alignment = TiltAlignment(parameters_.alignment);
+  state_.alignment.start(q * *sample.accel_m_s2);
 }
 
 void AttitudeEkf::restart_tilt(const ImuSample& sample) {
-  state_.step.time = sample.time;
-  state_.tilt_is_known = false;
-  if (sample.accel_m_s2) set_tilt(*sample.accel_m_s2);
+  begin_step(sample.time);
+  state_.step.transition.is_continuous = false;
+  state_.filter.discard_step();
+  start_alignment(sample);
   // Nothing is known of the turn meanwhile: heading less than tilt, which the accelerometer shows.
   ErrorCovariance& P = state_.filter.covariance();
-  const double tilt =
-      state_.tilt_is_known ? square(parameters_.start_tilt_sigma_rad) : kUnknownAngle_rad2;
-  set_variance(P, Index::attitude, {tilt, tilt, kUnknownAngle_rad2});
+  set_variance(P, Index::attitude, {0, 0, kUnknownAngle_rad2});
   state_.heading_held_back_variance_rad2 = 0;
   const double interval_s = to_seconds(sample.time - state_.last->time);
   P.diagonal().segment<3>(Index::gyro_bias).array() +=
       square(parameters_.gyro_bias_walk_rad_s_rts) * interval_s;
   P.diagonal().segment<3>(Index::accel_bias).array() +=
       square(parameters_.accel_bias_walk_m_s2_rts) * interval_s;
-  if (!state_.tilt_is_known) ++state_.step_count;
-  state_.filter.discard_step();
-  state_.step.transition = {};
-  state_.step.transition.is_continuous = false;
-  state_.step.world_turn.setIdentity();
-  state_.step.update_count = 0;
-  state_.step.attitude_correction.setZero();
-  state_.step.attitude_rows = P.topRows<3>();
+  end_step();
 }
 
-void AttitudeEkf::close_step() {
+/// The covariance of what the gyroscope alone said so far is much the same in all directions: it is
+/// kept as it is.
+void AttitudeEkf::become_upright() {
+  const TiltAlignment& alignment = state_.alignment;
+  WorldTurn& world = state_.step.world_turn.emplace();
+  world.turn = alignment.turn_upright({});
+  InertialState& mean = state_.filter.mean();
+  mean.q_world_imu = (world.turn * mean.q_world_imu).normalized();
+  mean.velocity_m_s.setZero();
+  state_.velocity_mean_m_s.setZero();
+  state_.seen_velocity_density_m2_s = parameters_.start_velocity_density_m2_s;
+  state_.accel_mean_square_m2_s4 = alignment.accel_mean_square_m2_s4();
+
+  ErrorCovariance& P = state_.filter.covariance();
+  world.rows = -P.topRows<3>();
+  ErrorTransition turned_unseen;
+  turned_unseen.attitude_by_gyro_bias =
+      world.turn.toRotationMatrix() * alignment.turn_by_gyro_bias_s();
+  turned_unseen.attitude_by_gyro_bias.row(2).setZero();  // a heading is what it was
+  turned_unseen.propagate(P);
+  set_variance(P, Index::velocity, Eigen::Vector3d::Constant(alignment.velocity_variance_m2_s2()));
+  P.diagonal().segment<2>(Index::attitude).array() += alignment.tilt_variance_rad2();
+  const double with_velocity = alignment.velocity_tilt_covariance();
+  P(Index::attitude + 1, Index::velocity) = P(Index::velocity, Index::attitude + 1) = with_velocity;
+  P(Index::attitude, Index::velocity + 1) = P(Index::velocity + 1, Index::attitude) =
+      -with_velocity;
+  world.rows += P.topRows<3>();
+  world.attitude_by_gyro_bias = turned_unseen.attitude_by_gyro_bias;
+  state_.tilt_is_known = true;
+}
+
+void AttitudeEkf::begin_step(SensorTime time) {
+  state_.step = {};
+  state_.step.time = time;
+}
+
+void AttitudeEkf::end_step() {
+  state_.step.attitude_rows = state_.filter.covariance().topRows<3>();
+  ++state_.step_count;
+}
+
+void AttitudeEkf::close_step(SensorTime time) {
   const ErrorStateFilter::Pending pending = state_.filter.pending();
-  FilterStep& step = state_.step;
-  step.transition = state_.filter.close_step(
+  begin_step(time);
+  state_.step.transition = state_.filter.close_step(
       {parameters_.gyro_bias_walk_rad_s_rts, parameters_.accel_bias_walk_m_s2_rts});
-  step.world_turn.setIdentity();
-  step.update_count = 0;
-  step.attitude_correction.setZero();
-  if (pending.accel_interval_s > 0) {
-    const Eigen::Vector3d beside_gravity =
-        pending.velocity_m_s / pending.accel_interval_s - Eigen::Vector3d(0, 0, kGravity_m_s2);
-    state_.accel_mean_square_m2_s4 +=
-        share(pending.accel_interval_s, parameters_.accel_memory_s) *
-        (beside_gravity.squaredNorm() - state_.accel_mean_square_m2_s4);
-    bound_velocity(pending);
-    bound_acceleration(pending);
+  if (state_.tilt_is_known) {
+    if (pending.accel_interval_s > 0) bound_motion(pending);
+  } else {
+    state_.alignment.add(pending);
+    // Before it is known what is up, forces show no velocity.
+    state_.step.transition.keep_velocity();
+    set_variance(state_.filter.covariance(), Index::velocity, Eigen::Vector3d::Zero());
   }
   watch_bias(pending);
-  step.attitude_rows = state_.filter.covariance().topRows<3>();
-  state_.heading_held_back_rad += step.attitude_correction.z();
-  ++state_.step_count;
+  state_.heading_held_back_rad += state_.step.attitude_correction.z();
+  const double bias_variance =
+      state_.filter.covariance().diagonal().segment<3>(Index::gyro_bias).maxCoeff();
+  if (!state_.tilt_is_known && state_.alignment.is_done(bias_variance)) become_upright();
+  end_step();
+}
+
+void AttitudeEkf::bound_motion(const ErrorStateFilter::Pending& step) {
+  const Eigen::Vector3d beside_gravity =
+      step.velocity_m_s / step.accel_interval_s - Eigen::Vector3d(0, 0, kGravity_m_s2);
+  state_.accel_mean_square_m2_s4 += share(step.accel_interval_s, parameters_.accel_memory_s) *
+                                    (beside_gravity.squaredNorm() - state_.accel_mean_square_m2_s4);
+  bound_velocity(step);
+  bound_acceleration(step);
 }
 
 void AttitudeEkf::bound_velocity(const ErrorStateFilter::Pending& step) {
@@ -366,6 +382,9 @@ AttitudeEstimate AttitudeEkf::predict(SensorTime time) const {
   AttitudeEstimate estimate{
       {time, shown_attitude()}, state_.filter.attitude_covariance(), AttitudeOrigin::predicted};
   estimate.covariance_rad2(2, 2) += state_.heading_held_back_variance_rad2;
+  if (!state_.tilt_is_known) {
+    estimate.covariance_rad2.diagonal().head<2>().array() += state_.alignment.tilt_variance_rad2();
+  }
   if (!state_.last || time < state_.last->time) return estimate;
   const double ahead_s = to_seconds(time - state_.last->time);
   if (ahead_s == 0) {
@@ -395,8 +414,14 @@ GyroBias AttitudeEkf::gyro_bias() const {
           state_.filter.covariance().diagonal().segment<3>(Index::gyro_bias).cwiseSqrt()};
 }
 
+Eigen::Quaterniond AttitudeEkf::turn_upright() const {
+  if (state_.tilt_is_known) return Eigen::Quaterniond::Identity();
+  return state_.alignment.turn_upright(state_.filter.pending());
+}
+
 Eigen::Quaterniond AttitudeEkf::shown_attitude() const {
-  return turn_about_vertical(-state_.heading_held_back_rad) * state_.filter.mean().q_world_imu;
+  const Eigen::Quaterniond upright = turn_upright() * state_.filter.mean().q_world_imu;
+  return (turn_about_vertical(-state_.heading_held_back_rad) * upright).normalized();
 }
 
 }  // namespace gimbal

@@ -11,6 +11,7 @@
 #include "pipeline/estimator/estimator.hpp"
 #include "pipeline/estimator/lost_axes.hpp"
 #include "pipeline/estimator/plausibility.hpp"
+#include "pipeline/estimator/tilt_alignment.hpp"
 
 namespace gimbal {
 
@@ -68,8 +69,7 @@ struct AttitudeEkfParameters {
   double largest_bias_rad_s = 10 * std::numbers::pi / 180;  ///< faster is a pan, no bias
 
   // Start, gaps, lost axes.
-  double start_tilt_sigma_rad = 0.3;
-  double start_velocity_sigma_m_s = 5;
+  TiltAlignmentParameters alignment;
   double start_rate_walk_rad_s_rts = 30;  ///< how fast rates change, until it is known
   double rate_walk_memory_s = 0.5;
   double lost_axis_density_rad_s_rthz = 1.3;
@@ -107,6 +107,7 @@ struct AttitudeEkfState {
   std::optional<LastSample> last;
   std::optional<SensorTime> leap;  ///< a stamp far ahead that nothing bears out yet
   bool tilt_is_known = false;
+  TiltAlignment alignment{TiltAlignmentParameters{}};  ///< until then
   ErrorStateFilter filter;
   double heading_held_back_rad = 0;            ///< of the filter's corrections, see AttitudeEkf ...
   double heading_held_back_variance_rad2 = 0;  ///< ... and what they could be expected to be
@@ -140,6 +141,10 @@ struct AttitudeEkfState {
 /// not shown: the answers' heading has no steps, only the rate's integral. Their covariance counts
 /// what was held back.
 ///
+/// At the start, and after a gap that is too long, the tilt comes from the forces of the first
+/// moments alone (TiltAlignment): only then may errors be taken for small. Until then the filter
+/// goes on in axes that the gyroscope holds still, and the answers are turned upright.
+///
 /// A sample is the rate at its stamp's instant, and between samples, over a gap too, the rate goes
 /// straight from one to the next. Neither allocates nor throws.
 class AttitudeEkf final : public Estimator {
@@ -155,6 +160,9 @@ class AttitudeEkf final : public Estimator {
 
   /// To be kept for the next run, as AttitudeEkfParameters::remembered_bias.
   [[nodiscard]] GyroBias gyro_bias() const;
+
+  /// From the axes of the filter's mean to upright ones: the identity once the tilt is known.
+  [[nodiscard]] Eigen::Quaterniond turn_upright() const;
 
   [[nodiscard]] Plausibility plausibility() const { return state_.plausibility.verdict(); }
   [[nodiscard]] const AttitudeEkfCounts& counts() const { return state_.counts; }
@@ -175,10 +183,13 @@ class AttitudeEkf final : public Estimator {
                              Eigen::Vector3d& gyro_rad_s, IntervalNoise& noise);
   void learn_intervals(double interval_s);
   void learn_rate_walk(const ImuSample& sample, double interval_s);
-  /// False in free fall, where the force has no direction.
-  bool set_tilt(const Eigen::Vector3d& accel_m_s2);
+  void start_alignment(const ImuSample& sample);
   void restart_tilt(const ImuSample& sample);
-  void close_step();
+  void become_upright();
+  void begin_step(SensorTime time);
+  void end_step();
+  void close_step(SensorTime time);
+  void bound_motion(const ErrorStateFilter::Pending& step);
   void bound_velocity(const ErrorStateFilter::Pending& step);
   void learn_velocity_density(double interval_s);
   void bound_acceleration(const ErrorStateFilter::Pending& step);

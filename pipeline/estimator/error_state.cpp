@@ -37,6 +37,14 @@ void InertialState::correct(const ErrorState& error) {
   accel_scale += error(Index::accel_scale);
 }
 
+void ErrorTransition::keep_velocity() {
+  velocity_by_attitude.setZero();
+  velocity_by_gyro_bias.setZero();
+  velocity_by_gyro_scale.setZero();
+  velocity_by_accel_bias.setZero();
+  velocity_by_accel_scale.setZero();
+}
+
 void ErrorTransition::propagate(ErrorCovariance& P) const {
   if (!is_continuous) {
     P.middleRows<3>(Index::attitude).setZero();

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstddef>
+#include <optional>
 
 #include "pipeline/sample/sensor_time.hpp"
 
@@ -64,6 +65,9 @@ struct ErrorTransition {
   /// False where attitude and velocity started anew, so that their old errors say nothing.
   bool is_continuous = true;
 
+  /// Velocity no longer changes.
+  void keep_velocity();
+
   /// P <- F P Fᵀ. P symmetric.
   void propagate(ErrorCovariance& P) const;
 
@@ -80,6 +84,14 @@ struct ScalarUpdate {
   ErrorState gain = ErrorState::Zero();
 };
 
+/// The world turned under a device whose tilt became known, and with it under all that came before.
+struct WorldTurn {
+  Eigen::Quaterniond turn = Eigen::Quaterniond::Identity();
+  /// New attitude error by the error of the gyroscope's bias, s: what it has turned unseen.
+  Eigen::Matrix3d attitude_by_gyro_bias = Eigen::Matrix3d::Zero();
+  AttitudeRows rows = AttitudeRows::Zero();  ///< what the covariance gained
+};
+
 /// One step of the filter, as a smoother needs it.
 struct FilterStep {
   static constexpr std::size_t kMaxUpdates = 8;
@@ -89,8 +101,7 @@ struct FilterStep {
   std::array<ScalarUpdate, kMaxUpdates> updates;  ///< the first `update_count` in order
   std::size_t update_count = 0;
   Eigen::Vector3d attitude_correction = Eigen::Vector3d::Zero();  ///< by all updates together
-  /// Turn of the world since the step before: not the identity where gravity became known.
-  Eigen::Quaterniond world_turn = Eigen::Quaterniond::Identity();
+  std::optional<WorldTurn> world_turn;                ///< at this step, after its updates
   AttitudeRows attitude_rows = AttitudeRows::Zero();  ///< of the covariance after the updates
 };
 

@@ -116,19 +116,18 @@ void FixedLagSmoother::push(const ImuSample& sample) {
 
 void FixedLagSmoother::take_step() {
   const FilterStep& step = filter_.state().step;
-  if (!steps_.empty()) turn_world(step);
   steps_.push_back({step, backward(step), samples_since_step_});
+  if (step.world_turn) turn_world(*step.world_turn);
   steps_taken_ = filter_.state().step_count;
   samples_since_step_ = 0;
 }
 
-void FixedLagSmoother::turn_world(const FilterStep& step) {
-  const Eigen::Quaterniond& turn = step.world_turn;
-  if (turn.isApprox(Eigen::Quaterniond::Identity(), 0)) return;
-  // What came before the accelerometer is turned along, and its tilt is as uncertain: back to where
-  // it started anew, if it did. The newest sample is in the new world already.
+void FixedLagSmoother::turn_world(const WorldTurn& world) {
+  // What came before the tilt was known is turned along, and its tilt is as uncertain: back to
+  // where it started anew, if it did. The newest sample and the newest covariance are in the new
+  // world already.
   std::size_t first = steps_.size();
-  std::size_t samples = samples_since_step_;
+  std::size_t samples = 0;
   for (bool starts_anew = false; first > 0 && !starts_anew;) {
     const HeldStep& held = steps_[--first];
     starts_anew = !held.step.transition.is_continuous;
@@ -136,23 +135,22 @@ void FixedLagSmoother::turn_world(const FilterStep& step) {
   }
   for (std::size_t i = samples_.size() - std::min(samples, samples_.size());
        i + 1 < samples_.size(); ++i) {
-    samples_[i].q_world_imu = turn * samples_[i].q_world_imu;
+    samples_[i].q_world_imu = world.turn * samples_[i].q_world_imu;
   }
-  const Eigen::Matrix3d R = turn.toRotationMatrix();
-  for (std::size_t step_index = first; step_index < steps_.size(); ++step_index) {
-    HeldStep& held = steps_[step_index];
-    AttitudeRows& rows = held.step.attitude_rows;
-    rows = (R * rows).eval();
-    rows.middleCols<3>(Index::attitude) =
-        (rows.middleCols<3>(Index::attitude) * R.transpose()).eval() +
-        step.attitude_rows.middleCols<3>(Index::attitude);
+  const Eigen::Matrix3d R = world.turn.toRotationMatrix();
+  for (std::size_t i = first; i < steps_.size(); ++i) {
+    HeldStep& held = steps_[i];
+    if (i + 1 < steps_.size()) held.step.attitude_rows += world.rows;
     ErrorTransition& F = held.step.transition;
     F.attitude_by_gyro_bias = (R * F.attitude_by_gyro_bias).eval();
     F.attitude_by_gyro_scale = (R * F.attitude_by_gyro_scale).eval();
     held.step.attitude_correction = (R * held.step.attitude_correction).eval();
-    for (std::size_t i = 0; i < held.step.update_count; ++i) {
-      auto gain = held.step.updates[i].gain.segment<3>(Index::attitude);
-      gain = (R * gain).eval();
+    for (std::size_t k = 0; k < held.step.update_count; ++k) {
+      ErrorState& gain = held.step.updates[k].gain;
+      gain.segment<3>(Index::attitude) =
+          (R * gain.segment<3>(Index::attitude) +
+           world.attitude_by_gyro_bias * gain.segment<3>(Index::gyro_bias))
+              .eval();
     }
     held.back = backward(held.step);
   }
@@ -276,7 +274,8 @@ void FixedLagSmoother::release_step(const HeldStep& before, const HeldStep& step
 void FixedLagSmoother::release_sample(const Eigen::Vector3d& correction,
                                       const Eigen::Matrix3d& covariance) {
   const HeldSample& sample = samples_.front();
-  const Eigen::Quaterniond q = rotation_by(correction) * sample.q_world_imu;
+  const Eigen::Quaterniond q =
+      rotation_by(correction) * filter_.turn_upright() * sample.q_world_imu;
   ready_.push_back({{sample.time, q.normalized()}, covariance, AttitudeOrigin::exact});
   samples_.pop_front();
 }

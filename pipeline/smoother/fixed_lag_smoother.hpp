@@ -84,7 +84,7 @@ class FixedLagSmoother {
   };
 
   void take_step();
-  void turn_world(const FilterStep& step);
+  void turn_world(const WorldTurn& world);
   void release_ready();
   /// Releases the samples of the steps up to and including `last`, after a look back.
   void release_until(std::size_t last);

@@ -93,6 +93,37 @@ TEST(AttitudeEkf, FollowsAHandThatMovesFromTheFirstSample) {
   EXPECT_LT(worst, 0.6 * kDegree);
 }
 
+// A filter that takes the first tilt error for small needs 10 s and more for this.
+TEST(AttitudeEkf, AStartInHarshMotionIsMendedWithinSeconds) {
+  double after_a_second = 0;
+  double after_three = 0;
+  constexpr std::size_t kStarts = 40;
+  const std::vector<Moment> moments = handheld(60, 0.8);
+  for (std::size_t start = 0; start < kStarts; ++start) {
+    AttitudeEkf ekf;
+    double first = 0;
+    for (std::size_t i = 0; i < 700; ++i) {
+      const auto& [q, sample] = moments[start * 240 + i];
+      // Shaken by 10 m/s², three times a second.
+      const double t = seconds_since_epoch(sample.time);
+      const Eigen::Vector3d shake(10 * std::sin(19 * t), 8 * std::cos(17 * t),
+                                  6 * std::sin(23 * t));
+      const Attitude answer =
+          ekf.update({sample.time, sample.gyro_rad_s,
+                      Eigen::Vector3d(*sample.accel_m_s2 + q.conjugate() * shake)});
+      const double error = tilt_between(answer.q_world_imu, q);
+      if (i == 0) first = error;
+      if (i == 200) after_a_second += error * error / kStarts;
+      if (i == 600) after_three += error * error / kStarts;
+    }
+    if (start == 0) {
+      EXPECT_GT(first, 20 * kDegree);
+    }
+  }
+  EXPECT_LT(std::sqrt(after_a_second), 6 * kDegree);
+  EXPECT_LT(std::sqrt(after_three), 3 * kDegree);
+}
+
 TEST(AttitudeEkf, WithoutAnAccelerometerTheWorldIsTheFirstFrame) {
   AttitudeEkf ekf;
   const Eigen::Vector3d rate(0.3, -1.1, 0.7);
@@ -415,7 +446,7 @@ TEST(AttitudeEkf, WhereNothingWasMeasuredTheHeadingStaysUnknown) {
   }
   const auto covariance = ekf.predict(ekf.state().last->time).covariance_rad2;
   EXPECT_GT(covariance(2, 2), 3);  // rad²: spread over a full turn
-  EXPECT_LT(covariance(0, 0), 0.2);
+  EXPECT_LT(covariance(0, 0), 0.3);
 }
 
 TEST(AttitudeEkf, PredictsWithTheLastRate) {
