@@ -48,7 +48,16 @@ Result<Session> read_calibration(const std::filesystem::path& file) {
 Result<CameraCalibration> lens_for(const CameraFormat& format, const Session& known,
                                    const CalibrationSettings& settings) {
   CameraCalibration camera;
-  if (known.camera) return fitted_to(*known.camera, format.size);
+  if (known.camera) {
+    auto fitted = fitted_to(*known.camera, format.size);
+    if (fitted && is_lens_file(settings.file)) {  // which knows nothing of a driver's stamps
+      if (fitted->readout == SensorDuration::zero()) {
+        fitted->readout = format.readout.value_or(SensorDuration::zero());
+      }
+      fitted->timestamp = format.timestamp.value_or(TimestampReference::readout_start);
+    }
+    return fitted;
+  }
   if (!settings.horizontal_fov_deg) {
     return bad_input(
         "the lens is not known: give calibration = FILE under [camera], or horizontal_fov_deg, how "

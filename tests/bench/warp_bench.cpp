@@ -17,14 +17,16 @@ PinholeIntrinsics intrinsics_of(ImageSize size) {
   return {0.955 * size.width, 0.955 * size.width, size.width / 2.0, size.height / 2.0};
 }
 
-/// A view zoomed by 1.15, rolled by 2 degrees and panned a little while the rows are read.
-WarpMesh make_mesh(ImageSize size) {
+constexpr double kUsualRoll_deg = 2;
+
+/// A view zoomed by 1.15, rolled and panned a little while the rows are read.
+WarpMesh make_mesh(ImageSize size, double roll_deg = kUsualRoll_deg) {
   const PinholeIntrinsics k = intrinsics_of(size);
   LensParameters parameters;
   parameters.K << k.fx, 0, k.cx, 0, k.fy, k.cy, 0, 0, 1;
   const Lens lens = Lens::create(parameters).value();
   const auto q_world_camera = [&](double line) {
-    return Eigen::AngleAxisd(2 * std::numbers::pi / 180, Eigen::Vector3d::UnitZ()) *
+    return Eigen::AngleAxisd(roll_deg * std::numbers::pi / 180, Eigen::Vector3d::UnitZ()) *
            Eigen::Quaterniond(
                Eigen::AngleAxisd(0.03 * line / size.height, Eigen::Vector3d::UnitY()));
   };
@@ -68,15 +70,20 @@ void count_border(benchmark::State& state) {
 }
 
 /// The mesh is built anew for each frame, as it is in a run.
-void run(benchmark::State& state, Warper& warper) {
+void run(benchmark::State& state, Warper& warper, double roll_deg = kUsualRoll_deg) {
   const ImageSize size = size_of(state);
   const VideoFrame frame = make_frame(size);
-  for (auto _ : state) benchmark::DoNotOptimize(warper.warp(frame, make_mesh(size)));
+  for (auto _ : state) benchmark::DoNotOptimize(warper.warp(frame, make_mesh(size, roll_deg)));
   state.SetLabel(warper.renderer());
 }
 
 void warp_cpu(benchmark::State& state, int threads, Interpolation interpolation) {
   run(state, *make_cpu_warper(threads, interpolation));
+}
+
+/// Rows of the source are crossed, so that samples have to be gathered.
+void warp_cpu_rolled(benchmark::State& state, double roll_deg) {
+  run(state, *make_cpu_warper(1), roll_deg);
 }
 
 void warp_gles(benchmark::State& state, GlesVersion version, Interpolation interpolation) {
@@ -146,6 +153,8 @@ BENCHMARK_CAPTURE(warp_cpu, two_threads, 2, Interpolation::bilinear)
 BENCHMARK_CAPTURE(warp_cpu, bicubic_one_thread, 1, Interpolation::bicubic)
     ->Apply(usual_sizes)
     ->MeasureProcessCPUTime();
+BENCHMARK_CAPTURE(warp_cpu_rolled, by_7_degrees, 7)->Apply(usual_sizes)->MeasureProcessCPUTime();
+BENCHMARK_CAPTURE(warp_cpu_rolled, by_30_degrees, 30)->Apply(usual_sizes)->MeasureProcessCPUTime();
 BENCHMARK(opencv_remap)->Apply(usual_sizes);
 // llvmpipe draws on threads of its own, so that only the process' time is what a frame costs.
 BENCHMARK_CAPTURE(warp_gles, best, GlesVersion::best, Interpolation::bilinear)

@@ -140,6 +140,27 @@ TEST_F(ConfigurationTest, RecordingAndItsButton) {
   EXPECT_NE(wrong.error().message.find("is not of the form gpiochip0:17"), std::string::npos);
 }
 
+TEST_F(ConfigurationTest, HowPicturesAreDrawn) {
+  const std::string begin = std::string("outputs = [\"-\"]\n") + kDevices + "[stabilization]\n";
+  const auto plain = load(begin);
+  ASSERT_TRUE(plain) << plain.error().message;
+  EXPECT_FALSE(plain->stabilization.threads);
+  EXPECT_EQ(plain->stabilization.interpolation, Interpolation::bilinear);
+  EXPECT_EQ(plain->stabilization.output_lens, OutputLens::rectilinear);
+  const auto kept =
+      load(begin + "threads = 3\ninterpolation = \"bicubic\"\noutput_lens = \"kept\"\n");
+  ASSERT_TRUE(kept) << kept.error().message;
+  EXPECT_EQ(kept->stabilization.threads, 3);
+  EXPECT_EQ(kept->stabilization.interpolation, Interpolation::bicubic);
+  EXPECT_EQ(kept->stabilization.output_lens, OutputLens::kept);
+  EXPECT_EQ(load(begin + "output_fov_deg = 95.5\n")->stabilization.output_fov_deg, 95.5);
+  for (const char* wrong : {"threads = 0\n", "threads = 65\n", "interpolation = \"nearest\"\n",
+                            "output_lens = \"fisheye\"\n", "output_fov_deg = 151\n",
+                            "output_lens = \"kept\"\noutput_fov_deg = 90\n"}) {
+    EXPECT_FALSE(load(begin + wrong)) << wrong;
+  }
+}
+
 TEST_F(ConfigurationTest, AnOutputThatIsNoTableIsRefused) {
   const auto read = load(std::string("output = \"rtsp\"\n") + kDevices);
   ASSERT_FALSE(read);

@@ -56,6 +56,24 @@ TEST_F(CalibrationFor, AnotherSizeOfTheSameShapeSeesTheSame) {
   EXPECT_EQ(camera->readout, std::chrono::milliseconds(30));
 }
 
+TEST_F(CalibrationFor, ACalibrationOfAnotherProgramKnowsTheLensAndTheDriverTheStamps) {
+  folder_.write("camera.yaml",
+                "image_width: 1280\nimage_height: 720\ndistortion_model: plumb_bob\n"
+                "camera_matrix:\n  data: [1000, 0, 639.5, 0, 1000, 359.5, 0, 0, 1]\n"
+                "distortion_coefficients:\n  data: [0.1, 0, 0, 0, 0]\n");
+  CalibrationSettings settings;
+  settings.file = folder_.path() / "camera.yaml";
+  CameraFormat format = kFormat;
+  format.readout = std::chrono::milliseconds(20);
+  format.timestamp = TimestampReference::readout_end;
+  const auto camera = calibration_for(format, settings);
+  ASSERT_TRUE(camera) << camera.error().message;
+  EXPECT_EQ(camera->lens.model, LensModel::brown);
+  EXPECT_NEAR(camera->lens.K(0, 0), 500, 1e-9);
+  EXPECT_EQ(camera->readout, std::chrono::milliseconds(20));
+  EXPECT_EQ(camera->timestamp, TimestampReference::readout_end);
+}
+
 TEST_F(CalibrationFor, AnotherShapeIsRefused) {
   CameraFormat format = kFormat;
   format.size = {640, 480};
