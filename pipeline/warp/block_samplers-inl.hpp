@@ -142,6 +142,7 @@ HWY_INLINE const std::uint8_t* first_tap_row(B, Kernel, const SourcePlane& sourc
 }
 
 /// Calls paint(sample), where sample(at) gives a block of output whose first pixel comes from `at`.
+/// Inlined, so that constants stay in registers from block to block.
 template <class B, class Paint>
 HWY_INLINE void with_sampler(BilinearKernel kernel, B blocks, const BlockPlan& plan,
                              const SourcePlane& source, const Paint& paint) {
@@ -169,7 +170,7 @@ HWY_INLINE void with_sampler(BilinearKernel kernel, B blocks, const BlockPlan& p
   const std::ptrdiff_t table_starts[] = {plan.table_starts[0], plan.table_starts[1]};
   const FixedPx row_shift = plan.row_shift;
 
-  paint([&](FixedPoint at) HWY_ATTR {
+  paint([&](FixedPoint at) HWY_ATTR __attribute__((always_inline)) {
     const auto columns = hn::Add(hn::Set(du, fraction<B::kColumnBits>(at.x)), lane_columns);
     const auto places = hn::BitCast(
         bytes, hn::Add(hn::Mul(hn::ShiftRight<B::kColumnBits>(columns), place_step), lane_places));
@@ -271,7 +272,7 @@ HWY_INLINE void with_sampler(CatmullRomKernel kernel, B blocks, const BlockPlan&
   const std::ptrdiff_t table_starts[] = {plan.table_starts[0], plan.table_starts[1]};
   const FixedPx row_shift = plan.row_shift;
 
-  paint([&](FixedPoint at) HWY_ATTR {
+  paint([&](FixedPoint at) HWY_ATTR __attribute__((always_inline)) {
     const auto columns = hn::Add(hn::Set(du, fraction<B::kColumnBits>(at.x)), lane_columns);
     const auto places =
         hn::Add(hn::Mul(hn::ShiftRight<B::kColumnBits>(columns), place_step), lane_places);
