@@ -184,38 +184,50 @@ double tilt_deg(const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) {
   return std::acos(std::min(1.0, (a.conjugate() * z).dot(b.conjugate() * z))) / kDegree;
 }
 
-class OrientBadSamples : public ::testing::TestWithParam<Case> {};
+void expect_sound(const std::vector<Answer>& answers, double worst_allowed_deg) {
+  double last_s = -kInfinity;
+  double worst_deg = 0;
+  for (const auto& [t_s, q] : answers) {
+    ASSERT_GT(t_s, last_s);
+    last_s = t_s;
+    ASSERT_NEAR(q.norm(), 1, 1e-6);
+    if (t_s > kRepaired_s) worst_deg = std::max(worst_deg, tilt_deg(q, truth(t_s)));
+  }
+  EXPECT_NEAR(last_s, kDuration_s, 0.1);
+  EXPECT_LT(worst_deg, worst_allowed_deg);
+}
 
-TEST_P(OrientBadSamples, NeverPoisonTheOrientation) {
-  const Case& c = GetParam();
-  const test::TemporaryFolder folder;
-  folder.write("session.toml",
-               "[imu]\naccel_unit = \"m/s2\"\naccel_sign = \"specific-force\"\n"
-               "delay_s = 0.0\n");
-  Recording recording = hand();
-  c.spoil(recording);
-  write(folder.path() / "gyro.csv", recording.gyro);
-  write(folder.path() / "accel.csv", recording.accel);
-  using Options = std::vector<std::string>;
-  for (const Options& options : {Options{"--causal"}, Options{"--lag", "1"}, Options{}}) {
-    const std::filesystem::path out = folder.path() / "out.csv";
-    std::vector<std::string> command{GIMBALCTL, "orient", folder.path(), "-o", out};
+class OrientBadSamples : public ::testing::TestWithParam<Case> {
+ protected:
+  OrientBadSamples() {
+    folder_.write("session.toml",
+                  "[imu]\naccel_unit = \"m/s2\"\naccel_sign = \"specific-force\"\n"
+                  "delay_s = 0.0\n");
+    Recording recording = hand();
+    GetParam().spoil(recording);
+    write(folder_.path() / "gyro.csv", recording.gyro);
+    write(folder_.path() / "accel.csv", recording.accel);
+  }
+
+  /// Runs the program and reads what it wrote.
+  [[nodiscard]] std::vector<Answer> orient(const std::vector<std::string>& options) const {
+    const std::filesystem::path out = folder_.path() / "out.csv";
+    std::vector<std::string> command{GIMBALCTL, "orient", folder_.path(), "-o", out};
     command.insert(command.end(), options.begin(), options.end());
     const test::ProgramRun run = test::run_program(command, 60);
-    ASSERT_EQ(run.exit_status, 0) << run.standard_error;
-    EXPECT_THAT(run.standard_error, HasSubstr(c.said));
+    EXPECT_EQ(run.exit_status, 0) << run.standard_error;
+    EXPECT_THAT(run.standard_error, HasSubstr(GetParam().said));
+    return read_answers(out);
+  }
 
-    const std::vector<Answer> answers = read_answers(out);
-    double last_s = -kInfinity;
-    double worst_deg = 0;
-    for (const auto& [t_s, q] : answers) {
-      ASSERT_GT(t_s, last_s);
-      last_s = t_s;
-      ASSERT_NEAR(q.norm(), 1, 1e-6);
-      if (t_s > kRepaired_s) worst_deg = std::max(worst_deg, tilt_deg(q, truth(t_s)));
-    }
-    EXPECT_NEAR(last_s, kDuration_s, 0.1);
-    EXPECT_LT(worst_deg, c.worst_deg);
+ private:
+  test::TemporaryFolder folder_;
+};
+
+TEST_P(OrientBadSamples, NeverPoisonTheOrientation) {
+  using Options = std::vector<std::string>;
+  for (const Options& options : {Options{"--causal"}, Options{"--lag", "1"}, Options{}}) {
+    expect_sound(orient(options), GetParam().worst_deg);
   }
 }
 

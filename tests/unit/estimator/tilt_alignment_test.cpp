@@ -40,7 +40,7 @@ class Shaken {
     const double kept = std::exp(-kStep_s / 0.15);
     const Eigen::Vector3d next =
         kept * velocity_m_s_ + std::sqrt(1 - kept * kept) * sigma_m_s_ * draw();
-    const Eigen::Vector3d force = (next - velocity_m_s_) / kStep_s + kGravity_m_s2 * up_;
+    Eigen::Vector3d force = (next - velocity_m_s_) / kStep_s + kGravity_m_s2 * up_;
     velocity_m_s_ = next;
     return force;
   }
