@@ -27,7 +27,8 @@ expect_equal "system calls are filtered" "$(sed -n 's/Seccomp:\t//p' "$process")
 expect_equal "control socket" "$(stat -c '%U:%G %a' /run/gimbald/control.sock)" "gimbald:gimbald 660"
 
 wait_until "pictures go by RTSP" have_written 1
-stamps_of rtspsrc location=rtsp://127.0.0.1:8554/gimbald latency=0 ! rtph264depay >"$scratch/streamed"
+# By the stamps of the server alone: a client that makes up for the jitter of the network sets some alike.
+stamps_of rtspsrc location=rtsp://127.0.0.1:8554/gimbald latency=0 buffer-mode=none ! rtph264depay >"$scratch/streamed"
 wait "$pipe_reader"
 stamps_of filesrc location="$scratch/piped.mkv" ! matroskademux >"$scratch/piped"
 wait_until "it has seen that nobody reads the pipe any more" is_degraded output-failed

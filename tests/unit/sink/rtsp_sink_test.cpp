@@ -66,10 +66,11 @@ class Filming {
 };
 
 test::Playback watch(const std::string& url, int pictures) {
-  return test::play(fmt::format(
-      "rtspsrc location={} protocols=tcp latency=0 ! rtph264depay ! avdec_h264 ! videoconvert ! "
-      "video/x-raw,format=NV12 ! identity eos-after={} ! appsink name=out",
-      url, pictures + 1));
+  return test::play(
+      fmt::format("rtspsrc location={} protocols=tcp latency=0 buffer-mode=none ! rtph264depay ! "
+                  "avdec_h264 ! videoconvert ! "
+                  "video/x-raw,format=NV12 ! identity eos-after={} ! appsink name=out",
+                  url, pictures + 1));
 }
 
 TEST(RtspSink, ClientsSeeThePictures) {
