@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <grp.h>
 #include <httplib.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
@@ -22,8 +23,10 @@ namespace gimbal {
 namespace {
 
 constexpr std::size_t kLargestBody = 65536;
-constexpr int kPatience_s = 5;
-constexpr std::size_t kThreads = 4;
+/// With a client that stops in the middle of a word: an end waits for it, and so does who comes
+/// next.
+constexpr int kPatience_s = 1;
+constexpr std::size_t kThreads = 8;
 constexpr const char* kGroup = "gimbald";
 constexpr int kUnauthorized = 401;
 
@@ -33,6 +36,20 @@ bool are_equal(const std::string& given, const std::string& token) {
   int difference = 0;
   for (std::size_t i = 0; i < token.size(); ++i) difference |= given[i] ^ token[i];
   return difference == 0;
+}
+
+/// Without SO_REUSEPORT, the library's own choice, by which a second daemon would take half of the
+/// requests.
+void reuse_address(int descriptor) {
+  const int yes = 1;
+  ::setsockopt(descriptor, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof(yes));
+}
+
+/// What the library can read to its end and knows a way for.
+bool is_usual(const httplib::Request& request) {
+  const bool has_body =
+      request.has_header("Content-Length") || request.has_header("Transfer-Encoding");
+  return request.method == "GET" || (request.method == "POST" && has_body);
 }
 
 bool somebody_listens(const std::filesystem::path& socket) {
@@ -98,6 +115,14 @@ class ControlServer::Listener {
     const auto respond = [this](const httplib::Request& request, httplib::Response& response) {
       answer(request, response);
     };
+    server_.set_socket_options(reuse_address);
+    // The library waits for the body of a POST that has none, and knows no other methods.
+    server_.set_pre_routing_handler([respond](const auto& request, auto& response) {
+      if (is_usual(request)) return httplib::Server::HandlerResponse::Unhandled;
+      response.set_header("Connection", "close");
+      respond(request, response);
+      return httplib::Server::HandlerResponse::Handled;
+    });
     server_.Get(".*", respond);
     server_.Post(".*", respond);
   }

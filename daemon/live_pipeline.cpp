@@ -121,7 +121,11 @@ void LivePipeline::stop() {
     if (thread.joinable()) thread.join();
   }
   for (const auto& output : outputs_) output->end();
-  for (const auto& output : outputs_) output->finish();
+  std::vector<std::thread> endings;  // side by side: one that is stuck costs the others no time
+  for (const auto& output : outputs_) {
+    endings.emplace_back([&output] { output->finish(); });
+  }
+  for (std::thread& ending : endings) ending.join();
 }
 
 void LivePipeline::apply(const StabilizationSettings& settings) {
@@ -140,6 +144,10 @@ void LivePipeline::read_camera() {
     if (auto* frame = std::get_if<VideoFrame>(&reading)) {
       ++frames_in_;
       is_camera_lost_ = false;
+      if (frame->stamp.time - monotonic_now() > kOffClock) {
+        ++dropped_off_clock_;  // or all that come after it would seem to be late
+        continue;
+      }
       if (observer_ != nullptr) observer_->saw(*frame);
       if (!inflow_.push(std::move(*frame))) break;
     } else if (std::holds_alternative<SourceLost>(reading)) {
@@ -411,6 +419,7 @@ LiveCounts LivePipeline::counts() const {
   counts.dropped_without_orientation = dropped_without_orientation_;
   counts.dropped_before_drawing = drawings_.dropped();
   counts.dropped_out_of_order = dropped_out_of_order_;
+  counts.dropped_off_clock = dropped_off_clock_;
   counts.no_signal_pictures = no_signal_pictures_;
   counts.samples = samples_;
   counts.samples_off_clock = samples_off_clock_;

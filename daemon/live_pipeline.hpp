@@ -45,6 +45,7 @@ struct LiveCounts {
   std::uint64_t dropped_without_orientation = 0;  ///< more waited than there is room for
   std::uint64_t dropped_before_drawing = 0;       ///< drawing was too slow
   std::uint64_t dropped_out_of_order = 0;         ///< not later than one that came before
+  std::uint64_t dropped_off_clock = 0;            ///< stamped more than a second ahead of now
   std::uint64_t no_signal_pictures = 0;           ///< shown while no camera delivered
   std::uint64_t samples = 0;
   std::uint64_t samples_off_clock = 0;  ///< stamped more than a second from now, left out
@@ -209,6 +210,7 @@ class LivePipeline {
   std::atomic<std::uint64_t> frames_out_ = 0;
   std::atomic<std::uint64_t> dropped_without_orientation_ = 0;
   std::atomic<std::uint64_t> dropped_out_of_order_ = 0;
+  std::atomic<std::uint64_t> dropped_off_clock_ = 0;
   std::atomic<std::uint64_t> no_signal_pictures_ = 0;
   std::atomic<std::uint64_t> samples_ = 0;
   std::atomic<std::uint64_t> samples_off_clock_ = 0;

@@ -1,6 +1,8 @@
+#include <fcntl.h>
 #include <fmt/core.h>
 #include <fmt/format.h>
 #include <malloc.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <chrono>
@@ -48,28 +50,18 @@ sigset_t block_signals() {
   return signals;
 }
 
-/// What does not fit is not taken: the daemon goes on as before.
-Result<ReloadReport> reload(Supervisor& daemon) {
-  notify_service(fmt::format("RELOADING=1\nMONOTONIC_USEC={}",
-                             monotonic_now().time_since_epoch() / std::chrono::microseconds(1)));
-  auto report = daemon.reload();
-  if (report) {
-    const auto names = [](const std::vector<std::string>& keys) {
-      return keys.empty() ? std::string("nothing") : fmt::format("{}", fmt::join(keys, ", "));
-    };
-    log_line(LogLevel::info,
-             fmt::format("reloaded: {} changed; from the next start on: {}", names(report->applied),
-                         names(report->at_next_start)),
-             {"configuration", {}});
-  } else {
-    log_line(LogLevel::error, "not reloaded: " + report.error().message, {"configuration", {}});
-  }
-  notify_service("READY=1");
-  return report;
-}
-
 WallTime wall_now() {
   return std::chrono::time_point_cast<std::chrono::seconds>(std::chrono::system_clock::now());
+}
+
+/// A standard descriptor that is closed would be given to the next file or socket, and what is
+/// meant for standard output would be written there.
+void fill_standard_descriptors() {
+  int descriptor = 0;
+  while (descriptor >= 0 && descriptor <= STDERR_FILENO) {
+    descriptor = ::open("/dev/null", O_RDWR | O_CLOEXEC);
+  }
+  if (descriptor > STDERR_FILENO) ::close(descriptor);
 }
 
 /// Pools free the pictures that a hiccup made them hold; the allocator would keep them as holes in
@@ -96,7 +88,7 @@ void wait_for_end(LivePipeline& pipeline, Supervisor& daemon, BiasMemory& memory
   while (!pipeline.has_ended()) {
     const int signal = sigtimedwait(&signals, nullptr, &look);
     if (signal == SIGINT || signal == SIGTERM) return;
-    if (signal == SIGHUP) static_cast<void>(reload(daemon));
+    if (signal == SIGHUP) static_cast<void>(daemon.reload());
     memory.keep(pipeline.gyro_bias(), wall_now());
     memory_return.look(monotonic_now());
     if (pipeline.progress() == progress_seen) continue;
@@ -141,7 +133,7 @@ Session recorded_by(const LiveSources& sources) {
   return about;
 }
 
-int run(const Configuration& configuration, const std::vector<std::filesystem::path>& files) {
+int run(const Configuration& configuration, const ListFiles& list_files) {
   const sigset_t signals = block_signals();
   auto sources = open_sources(configuration);
   if (!sources) return report(sources.error());
@@ -151,7 +143,7 @@ int run(const Configuration& configuration, const std::vector<std::filesystem::p
   auto pipeline = LivePipeline::start(std::move(*sources), configuration.stabilization,
                                       configuration.outputs, &recorder);
   if (!pipeline) return report(pipeline.error());
-  Supervisor daemon(**pipeline, recorder, configuration, files);
+  Supervisor daemon(**pipeline, recorder, configuration, list_files);
 #ifdef GIMBALD_HAS_GPIO
   auto controls = RecordControls::start(configuration.gpio, recorder);
   if (!controls) return report(controls.error());
@@ -165,6 +157,7 @@ int run(const Configuration& configuration, const std::vector<std::filesystem::p
   notify_service("READY=1");
   wait_for_end(**pipeline, daemon, memory, signals);
   notify_service("STOPPING=1");
+  memory.keep_last((*pipeline)->gyro_bias(), wall_now());
 #ifdef GIMBALD_HAS_CONTROL
   control->reset();
 #endif
@@ -173,7 +166,6 @@ int run(const Configuration& configuration, const std::vector<std::filesystem::p
 #endif
   if (recorder.status().is_recording) static_cast<void>(recorder.stop());
   (*pipeline)->stop();
-  memory.keep_last((*pipeline)->gyro_bias(), wall_now());
   log_summary(**pipeline);
   if (const auto failure = (*pipeline)->failure()) return report(*failure);
   const auto& outputs = (*pipeline)->outputs();
@@ -196,19 +188,18 @@ int main_of(int argc, char** argv) {
     log_line(LogLevel::error, fmt::format("{} (see gimbald --help)", error.what()));
     return kExitBadInput;
   }
-  if (files.empty()) {
-    auto usual = usual_configuration_files();
-    if (!usual) return report(usual.error());
-    files = std::move(*usual);
-  }
-  const auto configuration = load_configuration(files);
+  const ListFiles list_files = [&files]() -> Result<std::vector<std::filesystem::path>> {
+    return files.empty() ? usual_configuration_files() : files;
+  };
+  const auto configuration = list_files().and_then(load_configuration);
   if (!configuration) return report(configuration.error());
-  return check_only ? 0 : run(*configuration, files);
+  return check_only ? 0 : run(*configuration, list_files);
 }
 
 }  // namespace
 }  // namespace gimbal
 
 int main(int argc, char** argv) {
+  gimbal::fill_standard_descriptors();
   return gimbal::main_of(argc, argv);
 }

@@ -76,6 +76,7 @@ void add_frames(MetricsText& text, const LiveCounts& counts) {
   text.sample(counts.dropped_without_orientation, label("cause", "no_orientation"));
   text.sample(counts.dropped_before_drawing, label("cause", "before_drawing"));
   text.sample(counts.dropped_out_of_order, label("cause", "out_of_order"));
+  text.sample(counts.dropped_off_clock, label("cause", "off_clock"));
   text.family("no_signal_pictures_total", "counter", "Pictures shown while no camera delivered.");
   text.sample(counts.no_signal_pictures);
   text.family("samples_total", "counter", "Inertial samples that the IMU delivered.");

@@ -65,6 +65,7 @@ class Output::Writer {
   const SensorDuration delay_;
   BoundedQueue<VideoFrame, WhenFull::drop_oldest> frames_;
   std::unique_ptr<FrameSink> sink_;
+  std::chrono::steady_clock::time_point opened_;
   std::chrono::steady_clock::time_point next_try_;
   std::chrono::seconds backoff_;
   std::atomic<std::uint64_t> written_ = 0;
@@ -103,7 +104,8 @@ bool Output::Writer::write(const VideoFrame& frame) {
     fail(written.error());
     return false;
   }
-  backoff_ = kFirstBackoff;
+  // Some pipelines take a frame or two before they find that they cannot work.
+  if (std::chrono::steady_clock::now() - opened_ > backoff_) backoff_ = kFirstBackoff;
   state_ = OutputState::working;
   return true;
 }
@@ -113,6 +115,7 @@ Result<void> Output::Writer::open_for(const VideoFrame& frame) {
   auto sink = target_.open({frame.size, fps_, frame.color, LiveTiming{frame.stamp.time, delay_}});
   if (!sink) return tl::unexpected(sink.error());
   sink_ = std::move(*sink);
+  opened_ = std::chrono::steady_clock::now();
   return {};
 }
 
@@ -165,8 +168,11 @@ void Output::end() {
 void Output::finish() {
   if (!thread_.joinable()) return;
   end();
-  for (std::uint64_t steps = writer_->steps();;) {
-    if (ended_.wait_for(writer_->patience()) == std::future_status::ready) return thread_.join();
+  using Clock = std::chrono::steady_clock;
+  const auto deadline = Clock::now() + kLongestEnd;
+  for (std::uint64_t steps = writer_->steps(); Clock::now() < deadline;) {
+    const auto look = std::min(Clock::now() + writer_->patience(), deadline);
+    if (ended_.wait_until(look) == std::future_status::ready) return thread_.join();
     if (writer_->steps() == steps) break;
     steps = writer_->steps();
   }

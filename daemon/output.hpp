@@ -33,8 +33,8 @@ class Output {
   /// Nothing more is offered: what is held is written, and the stream is ended properly.
   void end();
 
-  /// Waits until that is done. An output that does not get on, such as a pipe that nobody reads, is
-  /// named and left to itself.
+  /// Waits until that is done, six seconds at most. An output that does not get on, such as a pipe
+  /// that nobody reads, is named and left to itself sooner.
   void finish();
 
   [[nodiscard]] const std::string& name() const;

@@ -56,13 +56,16 @@ class RevivedSource {
     return **std::move(item);
   }
 
+  /// A source that is being started may not know yet what it has to stop: it is told again.
   void stop() {
-    {
-      const std::lock_guard lock(mutex_);
-      is_stopped_ = true;
-    }
-    stopped_.notify_all();
-    source_->stop();
+    std::unique_lock lock(mutex_);
+    is_stopped_ = true;
+    do {
+      stopped_.notify_all();
+      lock.unlock();
+      source_->stop();
+      lock.lock();
+    } while (!stopped_.wait_for(lock, kStopAgain, [this] { return !is_starting_; }));
   }
 
   [[nodiscard]] SourceStatus status() const {
@@ -73,6 +76,7 @@ class RevivedSource {
  private:
   static constexpr std::chrono::milliseconds kFirstPause{250};
   static constexpr std::chrono::milliseconds kLongestPause{8000};
+  static constexpr std::chrono::milliseconds kStopAgain{50};
   static constexpr std::chrono::seconds kRemarksLook{1};
   static constexpr std::chrono::seconds kRemarksTold{30};
 
@@ -94,6 +98,8 @@ class RevivedSource {
       source_->stop();
       const auto started = source_->start();
       const std::lock_guard lock(mutex_);
+      is_starting_ = false;
+      stopped_.notify_all();
       if (started) {
         is_lost_ = false;
         ++status_.restarts;
@@ -104,11 +110,13 @@ class RevivedSource {
     return false;
   }
 
+  /// Whether to start now: not if the source was stopped meanwhile.
   bool wait() {
     std::unique_lock lock(mutex_);
     stopped_.wait_for(lock, pause_, [this] { return is_stopped_; });
     pause_ = std::min(2 * pause_, kLongestPause);
-    return !is_stopped_;
+    is_starting_ = !is_stopped_;
+    return is_starting_;
   }
 
   /// A source is well again once something comes, not when it claims to have started.
@@ -153,6 +161,7 @@ class RevivedSource {
   mutable std::mutex mutex_;
   std::condition_variable stopped_;
   bool is_stopped_ = false;
+  bool is_starting_ = false;
   SourceStatus status_;
 };
 

@@ -54,7 +54,8 @@ Json as_json(const LiveCounts& counts) {
           {"dropped",
            {{"no_orientation", counts.dropped_without_orientation},
             {"before_drawing", counts.dropped_before_drawing},
-            {"out_of_order", counts.dropped_out_of_order}}},
+            {"out_of_order", counts.dropped_out_of_order},
+            {"off_clock", counts.dropped_off_clock}}},
           {"no_signal", counts.no_signal_pictures}};
 }
 

@@ -1,8 +1,15 @@
 #include "daemon/supervisor.hpp"
 
+#include <fmt/format.h>
+
+#include <chrono>
+#include <string>
 #include <utility>
 
+#include "daemon/journal.hpp"
+#include "daemon/service_notify.hpp"
 #include "daemon/stabilization_keys.hpp"
+#include "drivers/clock/monotonic_now.hpp"
 
 namespace gimbal {
 namespace {
@@ -53,18 +60,39 @@ std::vector<std::string> changed_other_keys(const Configuration& before,
   return keys;
 }
 
+std::string names_or_nothing(const std::vector<std::string>& keys) {
+  return keys.empty() ? "nothing" : fmt::format("{}", fmt::join(keys, ", "));
+}
+
 }  // namespace
 
 Supervisor::Supervisor(LivePipeline& pipeline, Recorder& recorder, Configuration configuration,
-                       std::vector<std::filesystem::path> files)
+                       ListFiles list_files)
     : pipeline_(pipeline),
       recorder_(recorder),
-      files_(std::move(files)),
+      list_files_(std::move(list_files)),
       at_start_(std::move(configuration)),
       settings_(at_start_.stabilization) {}
 
 Result<ReloadReport> Supervisor::reload() {
-  const auto read = load_configuration(files_);
+  notify_service(fmt::format("RELOADING=1\nMONOTONIC_USEC={}",
+                             monotonic_now().time_since_epoch() / std::chrono::microseconds(1)));
+  auto report = take_over_files();
+  if (report) {
+    log_line(
+        LogLevel::info,
+        fmt::format("reloaded: {} changed; from the next start on: {}",
+                    names_or_nothing(report->applied), names_or_nothing(report->at_next_start)),
+        {"configuration", {}});
+  } else {
+    log_line(LogLevel::error, "not reloaded: " + report.error().message, {"configuration", {}});
+  }
+  notify_service("READY=1");
+  return report;
+}
+
+Result<ReloadReport> Supervisor::take_over_files() {
+  const auto read = list_files_().and_then(load_configuration);
   if (!read) return tl::unexpected(read.error());
   const std::lock_guard lock(mutex_);
   const ReloadReport report{changed_live_keys(settings_, read->stabilization),

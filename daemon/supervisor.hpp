@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <mutex>
 #include <string>
 #include <vector>
@@ -17,14 +18,18 @@ struct ReloadReport {
   std::vector<std::string> at_next_start;  ///< tables and keys that differ, but wait for that
 };
 
+/// The configuration's files as they are now: drop-ins come and go.
+using ListFiles = std::function<Result<std::vector<std::filesystem::path>>()>;
+
 /// What can be asked of a running daemon beside its pictures. Any thread may ask.
 class Supervisor {
  public:
-  /// `pipeline` and `recorder` live longer; `files` are where the configuration came from.
+  /// `pipeline` and `recorder` live longer; `list_files` tells where the configuration comes from.
   Supervisor(LivePipeline& pipeline, Recorder& recorder, Configuration configuration,
-             std::vector<std::filesystem::path> files);
+             ListFiles list_files);
 
-  /// Reads the files again. If they are not sound nothing changes.
+  /// Reads the files again, and tells the log and the service manager so. If they are not sound
+  /// nothing changes: the daemon goes on as before.
   [[nodiscard]] Result<ReloadReport> reload();
 
   /// `toml`: keys of the table [stabilization] that may change while pictures are drawn. If one is
@@ -37,9 +42,11 @@ class Supervisor {
   [[nodiscard]] const Recorder& recorder() const { return recorder_; }
 
  private:
+  [[nodiscard]] Result<ReloadReport> take_over_files();
+
   LivePipeline& pipeline_;
   Recorder& recorder_;
-  const std::vector<std::filesystem::path> files_;
+  const ListFiles list_files_;
   mutable std::mutex mutex_;
   const Configuration at_start_;    ///< what all but the live settings follow
   StabilizationSettings settings_;  ///< as they are in force

@@ -86,6 +86,7 @@ std::string frames_for_people(const Json& status) {
   add("/frames/dropped/no_orientation", "dropped for want of orientation");
   add("/frames/dropped/before_drawing", "dropped because drawing is too slow");
   add("/frames/dropped/out_of_order", "dropped because they came out of order");
+  add("/frames/dropped/off_clock", "dropped because their stamps are ahead of time");
   add("/frames/no_signal", "pictures that say \"no signal\"");
   return text;
 }

@@ -99,6 +99,20 @@ std::string take_text(GError* error) {
   return one_line(text);
 }
 
+/// Without the number that GStreamer gives each element it makes: a pipeline that is opened again
+/// and again would say something new each time.
+std::string source_name(GstMessage* message) {
+  const std::string name = GST_MESSAGE_SRC_NAME(message);
+  GstObject* const source = GST_MESSAGE_SRC(message);
+  GstElementFactory* const factory =
+      GST_IS_ELEMENT(source) ? gst_element_get_factory(GST_ELEMENT(source)) : nullptr;
+  if (factory == nullptr) return name;
+  const std::string kind = GST_OBJECT_NAME(factory);
+  const bool is_numbered = name.starts_with(kind) &&
+                           name.find_first_not_of("0123456789", kind.size()) == std::string::npos;
+  return is_numbered ? kind : name;
+}
+
 std::string message_text(GstMessage* message) {
   GError* error = nullptr;
   gchar* trace = nullptr;
@@ -109,7 +123,7 @@ std::string message_text(GstMessage* message) {
   }
   const std::string cause = cause_in_trace(trace);
   g_free(trace);
-  const std::string text = fmt::format("{}: {}", GST_MESSAGE_SRC_NAME(message), take_text(error));
+  const std::string text = fmt::format("{}: {}", source_name(message), take_text(error));
   return cause.empty() ? text : fmt::format("{} ({})", text, cause);
 }
 

@@ -9,7 +9,12 @@
 #include <sys/un.h>
 #include <unistd.h>
 
+#include <array>
+#include <chrono>
 #include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "tests/support/temporary_folder.hpp"
 
@@ -22,11 +27,49 @@ ControlAnswer echo(const std::string& method, const std::string& path, const std
   return {.body = method + " " + path + " " + body};
 }
 
+class Descriptor {
+ public:
+  explicit Descriptor(int descriptor) : descriptor_(descriptor) {}
+  Descriptor(Descriptor&& other) noexcept : descriptor_(std::exchange(other.descriptor_, -1)) {}
+  Descriptor& operator=(Descriptor&&) = delete;
+  ~Descriptor() {
+    if (descriptor_ >= 0) ::close(descriptor_);
+  }
+  [[nodiscard]] int get() const { return descriptor_; }
+
+ private:
+  int descriptor_;
+};
+
 class ControlServerTest : public ::testing::Test {
  protected:
   [[nodiscard]] Result<std::unique_ptr<ControlServer>> start(
       std::optional<TcpControl> tcp = std::nullopt) const {
     return ControlServer::start({socket_, std::move(tcp)}, echo);
+  }
+
+  /// A client that writes this much and no more; what comes back, up to a second's silence.
+  [[nodiscard]] std::string answer_to(const std::string& text) const {
+    const Descriptor asking = connected();
+    EXPECT_EQ(::send(asking.get(), text.data(), text.size(), 0), static_cast<ssize_t>(text.size()));
+    const timeval patience{1, 0};
+    ::setsockopt(asking.get(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof(patience));
+    std::string answer;
+    std::array<char, 4096> part{};
+    for (ssize_t n = 0; (n = ::recv(asking.get(), part.data(), part.size(), 0)) > 0;) {
+      answer.append(part.data(), static_cast<std::size_t>(n));
+    }
+    return answer;
+  }
+
+  [[nodiscard]] Descriptor connected() const {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    socket_.string().copy(address.sun_path, sizeof(address.sun_path) - 1);
+    Descriptor asking(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0));
+    EXPECT_EQ(::connect(asking.get(), reinterpret_cast<const sockaddr*>(&address), sizeof(address)),
+              0);
+    return asking;
   }
 
   [[nodiscard]] httplib::Client client() const {
@@ -97,6 +140,43 @@ TEST_F(ControlServerTest, LeavesAFileThatIsNoSocketAlone) {
   ASSERT_FALSE(server);
   EXPECT_THAT(server.error().message, HasSubstr("something else is there"));
   EXPECT_TRUE(std::filesystem::is_regular_file(socket_));
+}
+
+TEST_F(ControlServerTest, APostWithoutABodyIsHandedOn) {
+  const auto server = start();
+  ASSERT_TRUE(server) << server.error().message;
+  EXPECT_THAT(answer_to("POST /reload HTTP/1.1\r\nHost: localhost\r\n\r\n"),
+              HasSubstr("POST /reload "));
+}
+
+TEST_F(ControlServerTest, OtherMethodsAreHandedOn) {
+  const auto server = start();
+  ASSERT_TRUE(server) << server.error().message;
+  EXPECT_THAT(answer_to("PUT /set HTTP/1.1\r\nHost: localhost\r\n\r\n"), HasSubstr("PUT /set "));
+}
+
+TEST_F(ControlServerTest, ClientsThatSayNothingDoNotKeepItFromEnding) {
+  auto server = start();
+  ASSERT_TRUE(server) << server.error().message;
+  std::vector<Descriptor> silent;
+  for (int i = 0; i < 5; ++i) silent.push_back(connected());
+  const std::string begun = "POST /set HTTP/1.1\r\nHo";
+  ASSERT_GT(::send(silent.back().get(), begun.data(), begun.size(), 0), 0);
+  ASSERT_TRUE(client().Get("/status"));
+  const auto begin = std::chrono::steady_clock::now();
+  server->reset();
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(3));
+}
+
+TEST_F(ControlServerTest, APortIsForOneDaemonAlone) {
+  const auto first = start(TcpControl{"127.0.0.1", 0, "word"});
+  ASSERT_TRUE(first) << first.error().message;
+  const auto second = ControlServer::start(
+      {folder_.path() / "other.sock", TcpControl{"127.0.0.1", (*first)->tcp_port(), "other"}},
+      echo);
+  ASSERT_FALSE(second);
+  EXPECT_EQ(second.error().kind, Error::Kind::bad_input);
+  EXPECT_THAT(second.error().message, HasSubstr("in use"));
 }
 
 TEST_F(ControlServerTest, AskedByTcpItWantsTheToken) {

@@ -34,6 +34,7 @@ class Device {
  public:
   void plug(Plug plug) { plug_ = plug; }
   void stop() { is_stopped_ = true; }
+  void jump_ahead_once() { jumps_ = true; }
 
   Result<void> start() {
     if (plug_ == Plug::out) return bad_input("not there");
@@ -51,12 +52,14 @@ class Device {
       if (is_stopped_) return std::nullopt;
       if (plug_ == Plug::out) return failed("unplugged");
     } while (plug_ == Plug::silent);
-    return std::max(next_, monotonic_now() - period);
+    const SensorTime time = std::max(next_, monotonic_now() - period);
+    return jumps_.exchange(false) ? time + std::chrono::hours(1) : time;
   }
 
  private:
   std::atomic<Plug> plug_ = Plug::in;
   std::atomic<bool> is_stopped_ = false;
+  std::atomic<bool> jumps_ = false;
   SensorTime next_;
 };
 
@@ -159,7 +162,7 @@ class LivePipelineTest : public ::testing::Test {
   void expect_that_frames_add_up() const {
     const LiveCounts counts = pipeline_->counts();
     EXPECT_EQ(counts.frames_in, counts.frames_out + counts.dropped_before_drawing +
-                                    counts.dropped_out_of_order +
+                                    counts.dropped_out_of_order + counts.dropped_off_clock +
                                     counts.dropped_without_orientation);
   }
 
@@ -241,6 +244,17 @@ TEST_F(LivePipelineTest, OtherChoicesCostNoFrame) {
   ASSERT_TRUE(frames_come());
   pipeline_->stop();
   expect_that_frames_add_up();
+  EXPECT_EQ(pipeline_->counts().dropped_out_of_order, 0U);
+}
+
+TEST_F(LivePipelineTest, AFrameFromTheFutureIsLeftOutAlone) {
+  ASSERT_TRUE(frames_come());
+  camera_.jump_ahead_once();
+  ASSERT_TRUE(comes_true([&] { return pipeline_->counts().dropped_off_clock > 0; }));
+  ASSERT_TRUE(frames_come());
+  pipeline_->stop();
+  expect_that_frames_add_up();
+  EXPECT_EQ(pipeline_->counts().dropped_off_clock, 1U);
   EXPECT_EQ(pipeline_->counts().dropped_out_of_order, 0U);
 }
 

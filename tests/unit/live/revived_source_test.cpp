@@ -100,5 +100,40 @@ TEST_F(RevivedSourceTest, StopEndsTheWaitForItsReturn) {
   stopper.join();
 }
 
+/// Takes its time to open, and can be stopped only then.
+class SlowSource {
+ public:
+  Result<void> start() {
+    if (starts_++ == 0) return {};
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    is_stopped_ = false;
+    for (int i = 0; i < 1000 && !is_stopped_; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    }
+    return {};
+  }
+  Result<std::optional<int>> read() { return failed("unplugged"); }
+  void stop() { is_stopped_ = true; }
+  [[nodiscard]] std::uint64_t lost() const { return 0; }
+
+ private:
+  std::atomic<bool> is_stopped_ = false;
+  int starts_ = 0;
+};
+
+TEST(RevivedSource, StopReachesASourceThatIsBeingStarted) {
+  RevivedSource<SlowSource, int> source("camera", std::make_unique<SlowSource>());
+  ASSERT_TRUE(source.start());
+  ASSERT_TRUE(std::holds_alternative<SourceLost>(source.read()));
+  std::thread stopper([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(350));  // it opens from 250 on
+    source.stop();
+  });
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_TRUE(std::holds_alternative<SourceEnd>(source.read()));
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
+  stopper.join();
+}
+
 }  // namespace
 }  // namespace gimbal
