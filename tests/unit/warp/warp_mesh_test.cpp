@@ -245,7 +245,9 @@ TEST(WarpMesh, SourceThenExactMapReturnsToThePixel) {
   std::mt19937 generator(11);
   std::uniform_real_distribution<double> unit(-1, 1);
   const auto random_vector = [&] {
-    return Vector3d(unit(generator), unit(generator), unit(generator));
+    Vector3d vector;  // one by one: arguments may be drawn in any order
+    for (double& element : vector) element = unit(generator);
+    return vector;
   };
   const Lens lens = make_lens(LensModel::brown, 1223, {-0.2, 0.05, 1e-3, 0});
   int pixels = 0;
@@ -258,8 +260,10 @@ TEST(WarpMesh, SourceThenExactMapReturnsToThePixel) {
     };
     const Quaterniond q_correction(AngleAxisd(0.1 * unit(generator), random_vector().normalized()));
     const VirtualCamera camera = camera_at(q_start * q_correction, {1300, 1300, 639.5, 359.5});
-    const WarpMesh mesh = build_warp_mesh(lens, k720p, ReadoutDirection::top_down, pose, camera,
-                                          k720p, Border::crop, {});
+    const auto direction = ReadoutDirection::top_down;
+    const auto chosen = choose_mesh_density(lens, k720p, direction, pose, camera);
+    const WarpMesh mesh =
+        build_warp_mesh(lens, k720p, direction, pose, camera, k720p, Border::crop, chosen.density);
     const ExactWarp exact{lens, pose, camera};
     for (int i = 0; i < 40; ++i) {
       const Vector2d pixel(639.5 * (1 + unit(generator)), 359.5 * (1 + unit(generator)));
