@@ -1,6 +1,7 @@
 #include "daemon/live_pipeline.hpp"
 
 #include <fmt/format.h>
+#include <pthread.h>
 
 #include <algorithm>
 #include <cmath>
@@ -286,6 +287,7 @@ void LivePipeline::hand_on(const VirtualCamera& camera) {
 // --- drawing ------------------------------------------------------------------------------------
 
 void LivePipeline::draw(std::promise<Result<void>>& can_draw) {
+  ::pthread_setname_np(::pthread_self(), "draw");  // as `top -H` shows it
   auto warper = open_warper();
   if (!warper) {
     can_draw.set_value(tl::unexpected(warper.error()));

@@ -22,3 +22,11 @@ kill -STOP "$(main_process)"
 wait_until "the watchdog has found it" has_said 'Watchdog timeout'
 wait_until "it runs again" has_started_again 2
 wait_until "pictures are shown again" have_shown 10
+
+# The thread that draws alone: all others go on, and no picture comes.
+drawing_thread() { grep -lx draw "/proc/$(main_process)/task/"*/comm | cut -d / -f 5; }
+"$programs/hold_thread" "$(drawing_thread)" &
+holding=$!
+wait_until "the watchdog has found it too" has_started_again 3
+kill "$holding" 2>/dev/null || true
+wait_until "pictures are shown once more" have_shown 10
