@@ -14,9 +14,6 @@
 namespace gimbal {
 namespace {
 
-/// Some seconds of video.
-constexpr std::size_t kRememberedFrames = 300;
-
 ImageSize size_of(const GstVideoInfo& info) {
   return {GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)};
 }
@@ -68,7 +65,7 @@ Result<void> ReplayCamera::start() {
   coded_count_ = coded->frame_count;
   coded_times_ = usable_times(std::move(coded->frame_times));
   decoder_ = *std::move(decoder);
-  gauge_ = std::make_shared<SurplusGauge>(kRememberedFrames);
+  gauge_ = std::make_shared<SurplusGauge>();
   begin();
   return {};
 }

@@ -29,6 +29,20 @@ std::string cause_in_trace(const gchar* trace) {
   return line_end == std::string::npos ? std::string() : one_line(text.substr(line_end + 1));
 }
 
+/// Without the number that GStreamer gives each element it makes: a pipeline that is opened again
+/// and again would say something new each time.
+std::string source_name(GstMessage* message) {
+  const std::string name = GST_MESSAGE_SRC_NAME(message);
+  GstObject* const source = GST_MESSAGE_SRC(message);
+  GstElementFactory* const factory =
+      GST_IS_ELEMENT(source) ? gst_element_get_factory(GST_ELEMENT(source)) : nullptr;
+  if (factory == nullptr) return name;
+  const std::string kind = GST_OBJECT_NAME(factory);
+  const bool is_numbered = name.starts_with(kind) &&
+                           name.find_first_not_of("0123456789", kind.size()) == std::string::npos;
+  return is_numbered ? kind : name;
+}
+
 constexpr std::string_view kBase = "gstreamer1.0-plugins-base";
 constexpr std::string_view kGood = "gstreamer1.0-plugins-good";
 constexpr std::string_view kBad = "gstreamer1.0-plugins-bad";
@@ -97,20 +111,6 @@ std::string take_text(GError* error) {
   const std::string text = error->message;
   g_error_free(error);
   return one_line(text);
-}
-
-/// Without the number that GStreamer gives each element it makes: a pipeline that is opened again
-/// and again would say something new each time.
-std::string source_name(GstMessage* message) {
-  const std::string name = GST_MESSAGE_SRC_NAME(message);
-  GstObject* const source = GST_MESSAGE_SRC(message);
-  GstElementFactory* const factory =
-      GST_IS_ELEMENT(source) ? gst_element_get_factory(GST_ELEMENT(source)) : nullptr;
-  if (factory == nullptr) return name;
-  const std::string kind = GST_OBJECT_NAME(factory);
-  const bool is_numbered = name.starts_with(kind) &&
-                           name.find_first_not_of("0123456789", kind.size()) == std::string::npos;
-  return is_numbered ? kind : name;
 }
 
 std::string message_text(GstMessage* message) {

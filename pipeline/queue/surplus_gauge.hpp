@@ -11,8 +11,9 @@ namespace gimbal {
 /// threads.
 class SurplusGauge {
  public:
-  /// `window`: how many things come back before a need that was not seen again is forgotten.
-  explicit SurplusGauge(std::size_t window) : window_(window) {}
+  /// `window`: how many things come back before a need that was not seen again is forgotten; if not
+  /// told, some seconds of video.
+  explicit SurplusGauge(std::size_t window = 300) : window_(window) {}
 
   void lent() {
     const std::scoped_lock lock(mutex_);

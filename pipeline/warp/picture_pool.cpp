@@ -1,6 +1,5 @@
 #include "pipeline/warp/picture_pool.hpp"
 
-#include <cstddef>
 #include <mutex>
 #include <utility>
 #include <vector>
@@ -9,15 +8,8 @@
 
 namespace gimbal {
 
-namespace {
-
-/// Some seconds of video.
-constexpr std::size_t kRemembered = 300;
-
-}  // namespace
-
 struct PicturePool::Shelf {
-  SurplusGauge gauge{kRemembered};
+  SurplusGauge gauge;
   std::mutex mutex;
   std::vector<Nv12Buffer> pictures;
 };
