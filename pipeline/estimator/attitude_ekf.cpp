@@ -59,6 +59,7 @@ AttitudeEkf::AttitudeEkf(const AttitudeEkfParameters& parameters) : parameters_(
   const AttitudeEkfParameters& p = parameters_;
   state_.lost_gyro_axes = LostAxes(p.lost_gyro_axes);
   state_.lost_accel_axes = LostAxes(p.lost_accel_axes);
+  state_.steadiness = Steadiness(p.steadiness);
   state_.rate_walk_rad2_s3 = square(p.start_rate_walk_rad_s_rts);
   state_.accel_mean_square_m2_s4 = 1;
   state_.rate_variance_rad2_s2 = 1;
@@ -352,10 +353,9 @@ void AttitudeEkf::watch_bias(const ErrorStateFilter::Pending& step) {
   // The variance remembers longer than the mean that it is taken about.
   state_.rate_variance_rad2_s2 += share(step.interval_s, 1.5 * memory_s) *
                                   (change.squaredNorm() - state_.rate_variance_rad2_s2);
+  state_.steadiness.add(step.turn_rad, step.interval_s);
   if (state_.rate_mean_rad_s.cwiseAbs().maxCoeff() > parameters_.largest_bias_rad_s) return;
-  const double variance =
-      parameters_.rate_density_s *
-      (state_.rate_variance_rad2_s2 + square(parameters_.steadiest_rate_rad_s)) / step.interval_s;
+  const double variance = rate_density() / step.interval_s;
   const double newest = share(step.interval_s, memory_s);
   const double hold_variance =
       square(parameters_.hold_rate_rad_s) + state_.rate_variance_rad2_s2 * newest / (2 - newest);
@@ -366,6 +366,16 @@ void AttitudeEkf::watch_bias(const ErrorStateFilter::Pending& step) {
                                     (hold_variance + state_.filter.covariance()(k, k)));
     measure(Index::gyro_bias + i, rate(i) - bias, variance * doubt);
   }
+}
+
+/// As a measurement of the bias, rad²/s.
+double AttitudeEkf::rate_density() const {
+  const AttitudeEkfParameters& p = parameters_;
+  const double by_variance =
+      p.rate_density_s * (state_.rate_variance_rad2_s2 + square(p.steadiest_rate_rad_s));
+  const double by_blocks =
+      p.steady_doubt * state_.steadiness.rate_density_rad2_s() + p.steadiest_density_rad2_s;
+  return std::min(by_variance, by_blocks);
 }
 
 void AttitudeEkf::measure(int index, double residual, double noise_variance) {

@@ -11,6 +11,7 @@
 #include "pipeline/estimator/estimator.hpp"
 #include "pipeline/estimator/lost_axes.hpp"
 #include "pipeline/estimator/plausibility.hpp"
+#include "pipeline/estimator/steadiness.hpp"
 #include "pipeline/estimator/tilt_alignment.hpp"
 
 namespace gimbal {
@@ -66,6 +67,11 @@ struct AttitudeEkfParameters {
   double rate_memory_s = 0.08;
   double steadiest_rate_rad_s = 0.004;
   double hold_rate_rad_s = 0.012;
+  /// On a platform that vibrates at rest, the rate over blocks is steadier than that: the mean of
+  /// some seconds then shows the bias. Density of that mean over what its few blocks show.
+  SteadinessParameters steadiness;
+  double steady_doubt = 10;
+  double steadiest_density_rad2_s = 3.2e-6;
   double largest_bias_rad_s = 10 * std::numbers::pi / 180;  ///< faster is a pan, no bias
 
   // Start, gaps, lost axes.
@@ -119,6 +125,7 @@ struct AttitudeEkfState {
   double seen_velocity_density_m2_s = 0;
   Eigen::Vector3d rate_mean_rad_s = Eigen::Vector3d::Zero();
   double rate_variance_rad2_s2 = 0;
+  Steadiness steadiness{SteadinessParameters{}};
   LostAxes lost_gyro_axes{kLostGyroAxes};
   LostAxes lost_accel_axes{kLostAccelAxes};
   PlausibilityCheck plausibility;
@@ -135,7 +142,7 @@ struct AttitudeEkfState {
 /// the device's velocity plus what a wrong tilt adds; a device that stays where it is or walks has
 /// a bounded velocity, so that what grows is tilt error. Short accelerations cancel by themselves.
 /// There is no rest detector: bias is measured all the time, and the recent variance of the rate
-/// says how well; over a step of 20 ms, vibration of motors cancels.
+/// says how well, or how little its mean changes once the vibration of motors has cancelled.
 ///
 /// Heading is never observed. What a better bias says about past heading is kept in the filter but
 /// not shown: the answers' heading has no steps, only the rate's integral. Their covariance counts
@@ -194,6 +201,7 @@ class AttitudeEkf final : public Estimator {
   void learn_velocity_density(double interval_s);
   void bound_acceleration(const ErrorStateFilter::Pending& step);
   void watch_bias(const ErrorStateFilter::Pending& step);
+  [[nodiscard]] double rate_density() const;
   void measure(int index, double residual, double noise_variance);
   [[nodiscard]] Eigen::Quaterniond shown_attitude() const;
 

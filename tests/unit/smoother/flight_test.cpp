@@ -26,8 +26,7 @@ using Eigen::Vector3d;
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kStep_s = 1.0 / 2000;
 constexpr int kStepsASample = 10;  // 200 Hz
-constexpr double kOnGround_s = 5;  ///< at rest, motors off for the first three
-constexpr double kMotorsOn_s = 3;
+constexpr double kOnGround_s = 5;  ///< at rest
 constexpr double kDuration_s = 65;
 
 /// World acceleration wanted, m/s², at a time since take-off and a velocity.
@@ -37,6 +36,7 @@ struct Shaking {
   double accel_m_s2;  ///< amplitude of a motor
   double gyro_rad_s;
   double shift_m_s2;  ///< of the accelerometer's mean, as strong vibration makes it
+  double from_s;      ///< motors on
 };
 
 struct Sample {
@@ -150,7 +150,7 @@ class Multirotor {
     q_ = q_next;
     Vector3d shake_accel = Vector3d::Zero();
     Vector3d shake_gyro = Vector3d::Zero();
-    if (t >= kMotorsOn_s) shake(t, shake_accel, shake_gyro);
+    if (t >= shaking_.from_s) shake(t, shake_accel, shake_gyro);
     gyro_.take(rate + gyro_bias_rad_s_ + shake_gyro);
     accel_.take(1.005 * (q_.conjugate() * (moved + Vector3d(0, 0, kGravity_m_s2))) +
                 accel_bias_m_s2_ + shake_accel);
@@ -260,16 +260,20 @@ struct FlightCase {
 class Flight : public ::testing::TestWithParam<FlightCase> {};
 
 TEST_P(Flight, IsKnownBetterThanByThePeerDespiteVibration) {
-  for (const Shaking& shaking : {Shaking{8, 0.3, 0.1}, Shaking{20, 1, 0.3}}) {
+  // A platform that vibrates from the first sample on still shows its bias on the ground.
+  for (const Shaking& shaking : {Shaking{8, 0.3, 0.1, 3}, Shaking{20, 1, 0.3, 3},
+                                 Shaking{8, 0.3, 0.1, 0}, Shaking{20, 1, 0.3, 0}}) {
+    SCOPED_TRACE(testing::Message()
+                 << shaking.accel_m_s2 << " m/s² from " << shaking.from_s << " s");
     const std::vector<Sample> samples = Multirotor(GetParam().pilot, shaking, 4).fly();
     const Errors peer = errors(samples, by_vqf(samples));
     const auto stream = make_causal_stream(AttitudeEkfParameters{});
     const std::vector<Quaterniond> answers = by_stream(samples, *stream);
     ASSERT_EQ(answers.size(), samples.size());
     const Errors ours = errors(samples, answers);
-    EXPECT_LT(ours.tilt_deg, peer.tilt_deg) << shaking.accel_m_s2 << " m/s²";
-    EXPECT_LT(ours.second_deg, peer.second_deg) << shaking.accel_m_s2 << " m/s²";
-    EXPECT_LT(ours.tilt_deg, GetParam().tilt_deg) << shaking.accel_m_s2 << " m/s²";
+    EXPECT_LT(ours.tilt_deg, peer.tilt_deg);
+    EXPECT_LT(ours.second_deg, peer.second_deg);
+    EXPECT_LT(ours.tilt_deg, GetParam().tilt_deg);
     RecordProperty("tilt_deg", std::to_string(ours.tilt_deg));
   }
 }
