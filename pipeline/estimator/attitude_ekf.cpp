@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "pipeline/sample/upright.hpp"
 
 namespace gimbal {
 namespace {
@@ -60,6 +63,7 @@ AttitudeEkf::AttitudeEkf(const AttitudeEkfParameters& parameters) : parameters_(
   state_.lost_gyro_axes = LostAxes(p.lost_gyro_axes);
   state_.lost_accel_axes = LostAxes(p.lost_accel_axes);
   state_.steadiness = Steadiness(p.steadiness);
+  state_.tilt_watch = TiltWatch(p.tilt_watch);
   state_.rate_walk_rad2_s3 = square(p.start_rate_walk_rad_s_rts);
   state_.accel_mean_square_m2_s4 = 1;
   state_.rate_variance_rad2_s2 = 1;
@@ -138,7 +142,12 @@ void AttitudeEkf::continue_with(const ImuSample& sample) {
   if (state_.filter.pending().interval_s + 0.5 * state_.usual_interval_s >=
       to_seconds(parameters_.step)) {
     learn_rate_walk(sample, state_.filter.pending().interval_s);
-    close_step(sample.time);
+    if (state_.tilt_is_known) state_.tilt_watch.add(state_.filter.pending());
+    if (state_.tilt_watch.is_wrong()) {
+      realign(sample.time);
+    } else {
+      close_step(sample.time);
+    }
   }
 }
 
@@ -224,9 +233,7 @@ void AttitudeEkf::start_alignment(const ImuSample& sample) {
 }
 
 void AttitudeEkf::restart_tilt(const ImuSample& sample) {
-  begin_step(sample.time);
-  state_.step.transition.is_continuous = false;
-  state_.filter.discard_step();
+  begin_anew(sample.time);
   start_alignment(sample);
   // Nothing is known of the turn meanwhile: heading less than tilt, which the accelerometer shows.
   ErrorCovariance& P = state_.filter.covariance();
@@ -237,6 +244,30 @@ void AttitudeEkf::restart_tilt(const ImuSample& sample) {
       square(parameters_.gyro_bias_walk_rad_s_rts) * interval_s;
   P.diagonal().segment<3>(Index::accel_bias).array() +=
       square(parameters_.accel_bias_walk_m_s2_rts) * interval_s;
+  end_step();
+}
+
+/// Up is where the last forces come from. What led astray may have bent the bias too.
+void AttitudeEkf::realign(SensorTime time) {
+  ++state_.counts.realignments;
+  begin_anew(time);
+  const TiltWatch watch = std::exchange(state_.tilt_watch, TiltWatch(parameters_.tilt_watch));
+  InertialState& mean = state_.filter.mean();
+  mean.q_world_imu =
+      (gimbal::turn_upright(watch.recent_force_m_s2()) * mean.q_world_imu).normalized();
+  mean.velocity_m_s.setZero();
+  state_.velocity_mean_m_s.setZero();
+  ErrorCovariance& P = state_.filter.covariance();
+  const double sigma_rad = parameters_.alignment.aligned_sigma_rad;
+  const double velocity_sigma_m_s =
+      sigma_rad * kGravity_m_s2 * parameters_.tilt_watch.recent_s / std::numbers::sqrt2;
+  const double heading_variance = P(Index::attitude + 2, Index::attitude + 2);
+  set_variance(P, Index::attitude, {square(sigma_rad), square(sigma_rad), heading_variance});
+  set_variance(P, Index::velocity, Eigen::Vector3d::Constant(square(velocity_sigma_m_s)));
+  set_variance(P, Index::gyro_bias,
+               P.diagonal()
+                   .segment<3>(Index::gyro_bias)
+                   .cwiseMax(square(parameters_.bias_change_between_runs_rad_s)));
   end_step();
 }
 
@@ -269,11 +300,18 @@ void AttitudeEkf::become_upright() {
   world.rows += P.topRows<3>();
   world.attitude_by_gyro_bias = turned_unseen.attitude_by_gyro_bias;
   state_.tilt_is_known = true;
+  state_.tilt_watch = TiltWatch(parameters_.tilt_watch);
 }
 
 void AttitudeEkf::begin_step(SensorTime time) {
   state_.step = {};
   state_.step.time = time;
+}
+
+void AttitudeEkf::begin_anew(SensorTime time) {
+  begin_step(time);
+  state_.step.transition.is_continuous = false;
+  state_.filter.discard_step();
 }
 
 void AttitudeEkf::end_step() {

@@ -13,6 +13,7 @@
 #include "pipeline/estimator/plausibility.hpp"
 #include "pipeline/estimator/steadiness.hpp"
 #include "pipeline/estimator/tilt_alignment.hpp"
+#include "pipeline/estimator/tilt_watch.hpp"
 
 namespace gimbal {
 
@@ -74,8 +75,9 @@ struct AttitudeEkfParameters {
   double steadiest_density_rad2_s = 3.2e-6;
   double largest_bias_rad_s = 10 * std::numbers::pi / 180;  ///< faster is a pan, no bias
 
-  // Start, gaps, lost axes.
+  // Start, gaps, lost axes, a tilt that is wrong.
   TiltAlignmentParameters alignment;
+  TiltWatchParameters tilt_watch;
   double start_rate_walk_rad_s_rts = 30;  ///< how fast rates change, until it is known
   double rate_walk_memory_s = 0.5;
   double lost_axis_density_rad_s_rthz = 1.3;
@@ -100,6 +102,7 @@ struct AttitudeEkfCounts {
       0;  ///< not finite, beyond any sensor's range, an axis clipped or stuck
   std::size_t gaps = 0;
   std::size_t restarts = 0;      ///< gaps beyond the longest bridge
+  std::size_t realignments = 0;  ///< of a tilt that was wrong
   std::size_t lost_samples = 0;  ///< with an axis clipped or stuck
 };
 
@@ -114,6 +117,7 @@ struct AttitudeEkfState {
   std::optional<SensorTime> leap;  ///< a stamp far ahead that nothing bears out yet
   bool tilt_is_known = false;
   TiltAlignment alignment{TiltAlignmentParameters{}};  ///< until then
+  TiltWatch tilt_watch{TiltWatchParameters{}};         ///< from then on
   ErrorStateFilter filter;
   double heading_held_back_rad = 0;            ///< of the filter's corrections, see AttitudeEkf ...
   double heading_held_back_variance_rad2 = 0;  ///< ... and what they could be expected to be
@@ -150,7 +154,8 @@ struct AttitudeEkfState {
 ///
 /// At the start, and after a gap that is too long, the tilt comes from the forces of the first
 /// moments alone (TiltAlignment): only then may errors be taken for small. Until then the filter
-/// goes on in axes that the gyroscope holds still, and the answers are turned upright.
+/// goes on in axes that the gyroscope holds still, and the answers are turned upright. A tilt that
+/// is wrong all the same, and believed, is noticed within seconds (TiltWatch) and found anew.
 ///
 /// A sample is the rate at its stamp's instant, and between samples, over a gap too, the rate goes
 /// straight from one to the next. Neither allocates nor throws.
@@ -192,8 +197,10 @@ class AttitudeEkf final : public Estimator {
   void learn_rate_walk(const ImuSample& sample, double interval_s);
   void start_alignment(const ImuSample& sample);
   void restart_tilt(const ImuSample& sample);
+  void realign(SensorTime time);
   void become_upright();
   void begin_step(SensorTime time);
+  void begin_anew(SensorTime time);
   void end_step();
   void close_step(SensorTime time);
   void bound_motion(const ErrorStateFilter::Pending& step);

@@ -361,6 +361,59 @@ TEST(AttitudeEkf, ARecoversFromAHoleWithoutForceAfterIt) {
   EXPECT_LT(tilt_between(answer.q_world_imu, q_new), 1e-6);
 }
 
+class MissedTurn : public ::testing::TestWithParam<double> {};
+
+TEST_P(MissedTurn, IsNoticedAndTheTiltFoundAnew) {
+  // The device turns at 20 s without a rate that tells of it: the filter is sure of the old tilt.
+  const Eigen::Quaterniond turn = rotation_from_vector({0, GetParam(), 0});
+  AttitudeEkf ekf;
+  double worst = 0;
+  for (Moment moment : handheld(60, 0.8)) {
+    const double t = seconds_since_epoch(moment.sample.time);
+    if (t > 20) {
+      *moment.sample.accel_m_s2 += moment.q_world_imu.conjugate() * (turn.conjugate() * kUp - kUp);
+      moment.q_world_imu = turn * moment.q_world_imu;
+    }
+    const Attitude answer = ekf.update(moment.sample);
+    if (t > 35) worst = std::max(worst, tilt_between(answer.q_world_imu, moment.q_world_imu));
+  }
+  EXPECT_LT(worst, 3 * kDegree);
+  EXPECT_EQ(ekf.counts().realignments, 1U);
+}
+
+INSTANTIATE_TEST_SUITE_P(Turns, MissedTurn,
+                         ::testing::Values(30 * kDegree, -90 * kDegree, 180 * kDegree));
+
+TEST(AttitudeEkf, NoTiltIsFoundAnewInAFastCar) {
+  // To 100 km/h within ten seconds, then an emergency stop; level, since nothing turns.
+  AttitudeEkf ekf;
+  Attitude answer;
+  double worst = 0;
+  for (int i = 0; i < 6000; ++i) {
+    const double t = 0.005 * i;
+    double push_m_s2 = 0;
+    if (t > 10 && t < 20) push_m_s2 = 2.8;
+    if (t > 21 && t < 24.5) push_m_s2 = -8;
+    answer = ekf.update(
+        {time_from_seconds(t), Eigen::Vector3d::Zero(), kUp + Eigen::Vector3d(push_m_s2, 0, 0)});
+    worst = std::max(worst, tilt_between(answer.q_world_imu, Eigen::Quaterniond::Identity()));
+  }
+  EXPECT_EQ(ekf.counts().realignments, 0U);
+  EXPECT_LT(worst, 3 * kDegree);
+}
+
+TEST(AttitudeEkf, AFallTurnsNothing) {
+  AttitudeEkf ekf;
+  rest(ekf, SensorTime(), SensorTime(seconds(5)));
+  Attitude answer;
+  for (int i = 1; i <= 800; ++i) {  // four seconds
+    answer = ekf.update({SensorTime(seconds(5) + milliseconds(5 * i)), Eigen::Vector3d(0.2, 0, 0),
+                         Eigen::Vector3d(0.1, -0.2, 0.1)});
+  }
+  EXPECT_EQ(ekf.counts().realignments, 0U);
+  EXPECT_LT(tilt_between(answer.q_world_imu, rotation_from_vector({0.8, 0, 0})), 4 * kDegree);
+}
+
 TEST(AttitudeEkf, AClippedAxisGrowsTheCovarianceAboutItself) {
   AttitudeEkf ekf;
   SensorTime time(seconds(0));

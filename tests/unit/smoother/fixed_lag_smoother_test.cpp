@@ -278,6 +278,26 @@ TEST(FixedLagSmoother, ALargeBiasThatIsKnownLateSpinsNothing) {
   }
 }
 
+TEST(FixedLagSmoother, ATiltThatIsFoundAnewChangesNothingBefore) {
+  Recording recording = record(60);
+  const Eigen::Quaterniond turn = rotation_from_vector({1.5, 0, 0});
+  for (std::size_t i = 2500; i < recording.samples.size(); ++i) {  // the rates miss it
+    Eigen::Quaterniond& q = recording.truth[i];
+    *recording.samples[i].accel_m_s2 += q.conjugate() * (turn.conjugate() * kUp - kUp);
+    q = turn * q;
+  }
+  for (const SmootherLag lag : {SmootherLag(seconds(1)), SmootherLag()}) {
+    const auto answers = smooth(recording.samples, lag);
+    ASSERT_EQ(answers.size(), recording.samples.size());
+    for (std::size_t i = 0; i < answers.size(); ++i) {
+      if (i >= 2300 && i < 3500) continue;
+      ASSERT_LT(tilt_between(answers[i].attitude.q_world_imu, recording.truth[i]),
+                (i < 1000 ? 10 : 3) * kDegree)
+          << i;
+    }
+  }
+}
+
 TEST(FixedLagSmoother, BadSamplesAndHolesLeaveFiniteAnswersInOrder) {
   Recording recording = record(10);
   std::vector<ImuSample> samples;
