@@ -48,12 +48,16 @@ to_mp4 side-by-side.mp4 \
   compositor name=both sink_1::xpos=960 ! video/x-raw,width=1920,height=540
 
 step "judged against the truth"
-"$build/tests/demo/demo_judge" session orientation.csv path.csv . | tee improved.txt
+"$build/tests/demo/truth_judge" session orientation.csv path.csv . | tee improved.txt
 
 index=$(cat most_bent_frame.txt)
 frame_of original.mp4 "$index" before.jpg
 frame_of stabilized.mp4 "$index" after.jpg
 gnuplot -e "frame=$index" "$here/demo.gnuplot"
 
+step "compared by pictures alone, short and small: ./dev bench compares more"
+python3 -B "$here/../compare/compare.py" "$build" compare --sessions walk pan --size 640x360 --duration 5 \
+  --stabilizers raw vidstab adaptive-hann gimbalctl
+
 step "look at it"
-printf '%s\n' "$PWD"/{original,rectified,stabilized,side-by-side}.mp4 "$PWD/demo.png"
+printf '%s\n' "$PWD"/{original,rectified,stabilized,side-by-side}.mp4 "$PWD/demo.png" "$PWD/compare/index.html"

@@ -13,9 +13,11 @@
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "drivers/replay/replay_camera.hpp"
 #include "drivers/replay/video_probe.hpp"
@@ -100,6 +102,12 @@ Result<Judgement> judge(const Request& request) {
   }
 }
 
+nlohmann::ordered_json to_json(const std::vector<Measured>& path_deg) {
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const auto& [time_s, turn] : path_deg) json.push_back({time_s, turn[0], turn[1], turn[2]});
+  return json;
+}
+
 nlohmann::ordered_json to_json(const Judgement& judgement) {
   nlohmann::ordered_json json = {{"frames", judgement.frames},
                                  {"lost_pairs", judgement.lost_pairs},
@@ -109,7 +117,8 @@ nlohmann::ordered_json to_json(const Judgement& judgement) {
                                  {"residual_px", judgement.residual_px},
                                  {"itf_db", judgement.itf_db},
                                  {"border_share", judgement.border_share},
-                                 {"worst_border_share", judgement.worst_border_share}};
+                                 {"worst_border_share", judgement.worst_border_share},
+                                 {"path_deg", to_json(judgement.path_deg)}};
   if (const auto& view = judgement.against_original) {
     json["against_original"] = {{"frames", view->frames},
                                 {"zoom", view->zoom},
@@ -126,7 +135,7 @@ int run(const Request& request) {
     fmt::print(stderr, "video_judge: {}\n", judgement.error().message);
     return judgement.error().kind == Error::Kind::bad_input ? 2 : 1;
   }
-  fmt::print("{}\n", to_json(*judgement).dump(1));
+  fmt::print("{}\n", to_json(*judgement).dump());
   return 0;
 }
 

@@ -134,6 +134,11 @@ class MotionMeasures {
     judgement.wobble_px = wobble_.rms_px(kCutoff_hz);
     judgement.residual_px = std::sqrt(mean(residuals_px2_));
     judgement.lost_pairs = lost_;
+    cv::Vec3d turned_deg;
+    for (const Measured& rate : rates_deg_s_) {
+      turned_deg += rate.value / fps_;
+      judgement.path_deg.push_back({rate.time_s + 0.5 / fps_, turned_deg});
+    }
   }
 
  private:

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tests/judge/camera_rotation.hpp"
+#include "tests/judge/fast_part.hpp"
 #include "tests/judge/shown_view.hpp"
 
 namespace gimbal::judge {
@@ -25,6 +26,9 @@ struct Judgement {
   double border_share = 0;        ///< of all pixels, see black_border
   double worst_border_share = 0;  ///< of one frame's
   int lost_pairs = 0;             ///< of frames, in which no camera motion was found
+  /// How far the camera has turned about its first frame's x, y and z, after each pair of frames,
+  /// in degrees: the steps summed, for a plot. Errors add up.
+  std::vector<Measured> path_deg;
 
   /// Against the original; means over every sixth frame, as far as found in it.
   struct AgainstOriginal {

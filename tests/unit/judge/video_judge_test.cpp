@@ -36,6 +36,9 @@ TEST(VideoJudge, DoesNotBlameAPan) {
   });
   EXPECT_EQ(judgement.lost_pairs, 0);
   EXPECT_LT(judgement.rate_deg_s, 0.02 * 0.2 * kDegrees);
+  ASSERT_EQ(judgement.path_deg.size(), 59U);
+  EXPECT_NEAR(judgement.path_deg.back().time_s, 59 / kFps, 1e-9);
+  EXPECT_NEAR(judgement.path_deg.back().value[1], 0.2 * 59 / kFps * kDegrees, 0.1);
 }
 
 TEST(VideoJudge, FindsAStillVideoStill) {

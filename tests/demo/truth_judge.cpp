@@ -2,7 +2,7 @@
 // the orientation that was estimated, and the path log. Prints a table of what improved and writes
 // the curves for the plots.
 //
-//   demo_judge SESSION ORIENTATION.csv PATH_LOG.csv OUTPUT_FOLDER
+//   truth_judge SESSION ORIENTATION.csv PATH_LOG.csv OUTPUT_FOLDER
 
 #include <fmt/core.h>
 #include <fmt/os.h>
@@ -38,7 +38,7 @@ constexpr int kGridRows = 36;
 template <typename T>
 T value_or_exit(Result<T> result) {
   if (result) return *std::move(result);
-  fmt::print(stderr, "demo_judge: {}\n", result.error().message);
+  fmt::print(stderr, "truth_judge: {}\n", result.error().message);
   std::exit(1);
 }
 
@@ -228,13 +228,13 @@ void print_table(const Judgement& judgement) {
 int main(int argc, char** argv) {
   using namespace gimbal;
   if (argc != 5) {
-    fmt::print(stderr, "usage: demo_judge SESSION ORIENTATION.csv PATH_LOG.csv OUTPUT_FOLDER\n");
+    fmt::print(stderr, "usage: truth_judge SESSION ORIENTATION.csv PATH_LOG.csv OUTPUT_FOLDER\n");
     return 2;
   }
   const std::filesystem::path folder(argv[4]);
   const Session session = value_or_exit(open_session(argv[1]));
   if (!session.camera) {
-    fmt::print(stderr, "demo_judge: {}: no camera calibration\n", argv[1]);
+    fmt::print(stderr, "truth_judge: {}: no camera calibration\n", argv[1]);
     return 2;
   }
   const Judgement judgement = judge(session, read_truth(session.folder / "truth_rows.csv"),
