@@ -13,7 +13,7 @@ QUANTIZER = 16
 FFMPEG = ("ffmpeg", "-nostdin", "-hide_banner", "-loglevel", "error", "-y")
 TO_H264 = ("-c:v", "libx264", "-qp", str(QUANTIZER), "-preset", "veryfast", "-bf", "0", "-fps_mode", "passthrough")
 VIDSTAB_SMOOTHINGS = (15, 30, 60, 100)  # frames to either side
-VIDEOSTAB_RADII = (15, 30, 60)          # the same
+VIDEOSTAB_RADII = (30, 100)             # the same
 
 
 class Tools:
