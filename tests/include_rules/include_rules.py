@@ -14,6 +14,7 @@ from pathlib import Path
 STAGE_STANDS_ON = {
     "smoother": {"estimator"},
     "sink": {"gstreamer"},
+    "sync": {"lens", "timing"},
     "warp": {"lens"},
 }
 STAGES_THAT_ALL_MAY_USE = {"sample", "queue"}
@@ -39,7 +40,8 @@ SYSTEM_HEADER_HOMES = [
     (r"(EGL|GLES\d?|GL|KHR)/.*|gbm\.h|drm.*", r"pipeline/warp"),
     (r"hwy/.*", r"pipeline/warp"),
     (r"gst/.*|glib.*", r"pipeline/(gstreamer|sink)|drivers/replay"),
-    (r"opencv2/.*", r"pipeline/sync|daemon"),
+    (r"opencv2/.*", r"pipeline/sync"),
+    (r"ceres/.*", r"pipeline/sync"),
     (r"linux/(videodev2|v4l2-.*|media.*)\.h", r"drivers/v4l2"),
     (r"libcamera/.*", r"drivers/libcamera"),
     (r"iio\.h|iio/.*|linux/iio/.*", r"drivers/iio"),

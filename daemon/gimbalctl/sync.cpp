@@ -1,0 +1,72 @@
+#include <fmt/core.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "daemon/gimbalctl/commands.hpp"
+#include "daemon/gimbalctl/svg_plot.hpp"
+#include "daemon/gimbalctl/sync_report.hpp"
+#include "daemon/gimbalctl/tracked_session.hpp"
+#include "daemon/gimbalctl/warnings.hpp"
+#include "drivers/replay/session.hpp"
+#include "pipeline/sync/synchronization.hpp"
+
+namespace gimbal {
+namespace {
+
+struct Arguments {
+  std::filesystem::path session;
+  std::filesystem::path plot;
+  bool json = false;
+  bool quiet = false;
+};
+
+void print(const Arguments& arguments, const Synchronization& found,
+           const CameraCalibration& camera) {
+  fmt::print("{}", arguments.json ? to_json(found, camera) : describe(found, camera));
+}
+
+/// Programs read the reason from standard output also where nothing could be opened.
+tl::unexpected<Error> refused(const Arguments& arguments, const Error& error) {
+  if (arguments.json) {
+    Synchronization nothing;
+    nothing.reason = error.message;
+    print(arguments, nothing, {});
+  }
+  return tl::unexpected(error);
+}
+
+Result<void> run(const Arguments& arguments) {
+  const auto session = open_session(arguments.session);
+  if (!session) return refused(arguments, session.error());
+  print_warnings(session->warnings);
+  const auto data =
+      track_session(*session, arguments.quiet ? ProgressStyle::quiet : ProgressStyle::automatic);
+  if (!data) return refused(arguments, data.error());
+  const Synchronization found = synchronize(*data, session->imu.R_camera_imu);
+  print(arguments, found, data->camera);
+  if (!arguments.plot.empty() && !found.curve.empty()) {
+    if (auto written = write_svg(offset_plot(found), arguments.plot); !written) return written;
+  }
+  if (found.reason.empty()) return {};
+  return bad_input(arguments.session.string() + ": cannot tell: " + found.reason);
+}
+
+}  // namespace
+
+void add_sync_command(CLI::App& app, CommandOutcome& outcome) {
+  CLI::App* const command =
+      app.add_subcommand("sync", "Find time offset, readout, axes, gyro bias and focal length");
+  const auto arguments = std::make_shared<Arguments>();
+  command
+      ->add_option("session", arguments->session,
+                   "Session folder with a video: a minute by hand of things that are far away")
+      ->required();
+  command->add_flag("--json", arguments->json, "For programs");
+  command->add_option("--plot", arguments->plot, "FILE.svg: how well each time offset would do");
+  command->add_flag("--quiet", arguments->quiet, "No progress bar");
+  command->callback([arguments, &outcome] { outcome = run(*arguments); });
+}
+
+}  // namespace gimbal
