@@ -19,6 +19,7 @@ bool is_at_edge(const cv::Mat& stats, int label, cv::Size size) {
 
 cv::Mat black_border(const cv::Mat& luma) {
   const cv::Mat black = luma <= kMostBlack;
+  if (cv::countNonZero(black) == 0) return black;
   cv::Mat labels;
   cv::Mat stats;
   cv::Mat centroids;

@@ -12,13 +12,15 @@ constexpr int kCornersAcross = 32;       // that the least distance between two 
 constexpr int kPyramidLevels = 4;
 constexpr double kMostReturn_px = 0.2;
 
-std::vector<cv::Point2f> follow(const cv::Mat& from, const cv::Mat& to,
+const cv::Size kWindow(21, 21);
+
+std::vector<cv::Point2f> follow(const TrackedPicture& from, const TrackedPicture& to,
                                 const std::vector<cv::Point2f>& points,
                                 std::vector<unsigned char>& found) {
   std::vector<cv::Point2f> followed;
   std::vector<float> errors;
   cv::calcOpticalFlowPyrLK(
-      from, to, points, followed, found, errors, cv::Size(21, 21), kPyramidLevels,
+      from.pyramid, to.pyramid, points, followed, found, errors, kWindow, kPyramidLevels,
       cv::TermCriteria(cv::TermCriteria::COUNT + cv::TermCriteria::EPS, 30, 0.003));
   return followed;
 }
@@ -30,11 +32,16 @@ bool is_seen(const cv::Mat& mask, const cv::Point2f& point) {
 
 }  // namespace
 
-std::vector<Track> track_corners(const cv::Mat& from, const cv::Mat& from_mask, const cv::Mat& to,
-                                 const cv::Mat& to_mask) {
+TrackedPicture make_tracked_picture(const cv::Mat& luma, const cv::Mat& mask) {
+  TrackedPicture picture{luma, mask, {}};
+  cv::buildOpticalFlowPyramid(luma, picture.pyramid, kWindow, kPyramidLevels);
+  return picture;
+}
+
+std::vector<Track> track_corners(const TrackedPicture& from, const TrackedPicture& to) {
   std::vector<cv::Point2f> corners;
-  cv::goodFeaturesToTrack(from, corners, kMostCorners, kLeastQuality,
-                          static_cast<double>(from.cols) / kCornersAcross, from_mask);
+  cv::goodFeaturesToTrack(from.luma, corners, kMostCorners, kLeastQuality,
+                          static_cast<double>(from.luma.cols) / kCornersAcross, from.mask);
   if (corners.empty()) return {};
   std::vector<unsigned char> found;
   std::vector<unsigned char> returned;
@@ -42,7 +49,7 @@ std::vector<Track> track_corners(const cv::Mat& from, const cv::Mat& from_mask, 
   const std::vector<cv::Point2f> back = follow(to, from, there, returned);
   std::vector<Track> tracks;
   for (std::size_t i = 0; i < corners.size(); ++i) {
-    if (found[i] == 0 || returned[i] == 0 || !is_seen(to_mask, there[i])) continue;
+    if (found[i] == 0 || returned[i] == 0 || !is_seen(to.mask, there[i])) continue;
     if (cv::norm(back[i] - corners[i]) <= kMostReturn_px) tracks.push_back({corners[i], there[i]});
   }
   return tracks;

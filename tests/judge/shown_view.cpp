@@ -4,8 +4,6 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
-#include "tests/judge/frame_tracks.hpp"
-
 namespace gimbal::judge {
 namespace {
 
@@ -84,18 +82,18 @@ cv::Matx33d similarity_at(const Place& place, cv::Size size) {
 }
 
 /// A better homography, from corners followed into the original as the given one shows it.
-std::optional<cv::Matx33d> refined(const cv::Mat& original, const cv::Mat& output,
-                                   const cv::Mat& mask, const cv::Matx33d& H_original_output) {
+std::optional<cv::Matx33d> refined(const cv::Mat& original, const TrackedPicture& output,
+                                   const cv::Matx33d& H_original_output) {
   cv::Mat shown;
   cv::Mat has_source;
   const int flags = cv::INTER_LINEAR | cv::WARP_INVERSE_MAP;
-  cv::warpPerspective(original, shown, H_original_output, output.size(), flags,
+  cv::warpPerspective(original, shown, H_original_output, original.size(), flags,
                       cv::BORDER_REPLICATE);
   cv::warpPerspective(cv::Mat(original.size(), CV_8UC1, cv::Scalar(255)), has_source,
-                      H_original_output, output.size(), flags);
+                      H_original_output, original.size(), flags);
   std::vector<cv::Point2f> from;
   std::vector<cv::Point2f> to;
-  for (const Track& track : track_corners(output, mask, shown, has_source)) {
+  for (const Track& track : track_corners(output, make_tracked_picture(shown, has_source))) {
     from.push_back(track.from);
     to.push_back(track.to);
   }
@@ -133,15 +131,14 @@ ShownView view_of(const cv::Matx33d& H_original_output, cv::Size size) {
           retained_share(H_original_output, size), 1 - scales[1] / scales[0]};
 }
 
-std::optional<ShownView> compare_views(const cv::Mat& original, const cv::Mat& output,
-                                       const cv::Mat& mask) {
-  const Place place = find_coarsely(original, output);
+std::optional<ShownView> compare_views(const cv::Mat& original, const TrackedPicture& output) {
+  const Place place = find_coarsely(original, output.luma);
   if (place.correlation < kLeastCorrelation) return std::nullopt;
-  const auto first = refined(original, output, mask, similarity_at(place, output.size()));
+  const auto first = refined(original, output, similarity_at(place, original.size()));
   if (!first) return std::nullopt;
-  const auto H = refined(original, output, mask, *first);
+  const auto H = refined(original, output, *first);
   if (!H) return std::nullopt;
-  return view_of(*H, output.size());
+  return view_of(*H, original.size());
 }
 
 }  // namespace gimbal::judge

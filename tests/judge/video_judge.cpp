@@ -167,17 +167,16 @@ VideoJudge::VideoJudge(double focal_px, double fps) : focal_px_(focal_px), fps_(
 
 void VideoJudge::add(const cv::Mat& luma, const std::optional<cv::Mat>& original) {
   const cv::Mat border = black_border(luma);
-  const cv::Mat mask = mask_without(border);
+  TrackedPicture picture = make_tracked_picture(luma.clone(), mask_without(border));
   border_shares_.push_back(cv::countNonZero(border) / static_cast<double>(border.total()));
   if (original && frames_ % kViewEvery == 0) {
-    if (const auto view = compare_views(*original, luma, mask)) views_.push_back(*view);
+    if (const auto view = compare_views(*original, picture)) views_.push_back(*view);
   }
   if (frames_ > 0) {
-    psnr_db_.push_back(psnr_db(last_, luma));
-    pairs_.push_back({(frames_ - 0.5) / fps_, track_corners(last_, last_mask_, luma, mask)});
+    psnr_db_.push_back(psnr_db(last_.luma, luma));
+    pairs_.push_back({(frames_ - 0.5) / fps_, track_corners(last_, picture)});
   }
-  last_ = luma.clone();
-  last_mask_ = mask;
+  last_ = std::move(picture);
   ++frames_;
 }
 
@@ -195,7 +194,7 @@ Judgement VideoJudge::judgement() const {
   judgement.border_share = mean(border_shares_);
   judgement.worst_border_share = most(border_shares_);
   if (!views_.empty()) judgement.against_original = summary_of(views_);
-  MotionMeasures motion({focal_px_ * zoom(), last_.size()}, fps_);
+  MotionMeasures motion({focal_px_ * zoom(), last_.luma.size()}, fps_);
   for (const Pair& pair : pairs_) motion.add(pair.time_s, pair.tracks);
   motion.write_to(judgement);
   return judgement;

@@ -63,8 +63,7 @@ class VideoJudge {
 
   double focal_px_;
   double fps_;
-  cv::Mat last_;
-  cv::Mat last_mask_;
+  TrackedPicture last_;
   int frames_ = 0;
   std::vector<Pair> pairs_;
   std::vector<double> psnr_db_;

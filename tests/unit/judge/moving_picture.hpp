@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "tests/judge/camera_rotation.hpp"
+#include "tests/judge/frame_tracks.hpp"
 
 namespace gimbal::judge {
 
@@ -52,6 +53,10 @@ inline cv::Mat seen(const cv::Mat& texture, const cv::Vec3d& turn_rad) {
   cv::warpPerspective(texture, frame, in_the_middle * K * R_start_camera * K.inv(), kSize,
                       cv::INTER_CUBIC | cv::WARP_INVERSE_MAP, cv::BORDER_REFLECT);
   return frame;
+}
+
+inline TrackedPicture looked_at(const cv::Mat& luma) {
+  return make_tracked_picture(luma, cv::Mat(luma.size(), CV_8UC1, cv::Scalar(255)));
 }
 
 inline double sine(double hz, double time_s) {

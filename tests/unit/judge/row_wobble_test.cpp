@@ -31,12 +31,11 @@ cv::Mat bent(const cv::Mat& frame, double amplitude_px) {
 
 template <typename Frame>
 double wobble_px(Frame frame_at) {
-  const cv::Mat everywhere(kSize, CV_8UC1, cv::Scalar(255));
   RowWobble wobble;
-  cv::Mat last = frame_at(0.0);
+  TrackedPicture last = looked_at(frame_at(0.0));
   for (int i = 1; i < kFrames; ++i) {
-    const cv::Mat next = frame_at(i / kFps);
-    const std::vector<Track> tracks = track_corners(last, everywhere, next, everywhere);
+    const TrackedPicture next = looked_at(frame_at(i / kFps));
+    const std::vector<Track> tracks = track_corners(last, next);
     const auto R_to_from = fit_rotation(kCamera, tracks);
     if (!R_to_from) return -1;
     wobble.add((i - 0.5) / kFps, kCamera, *R_to_from, tracks);

@@ -26,8 +26,7 @@ cv::Mat shown(const cv::Mat& original, const cv::Matx33d& H_original_output) {
 
 ShownView compared(const cv::Matx33d& H_original_output) {
   const cv::Mat original = seen(texture(), {0, 0, 0});
-  const auto view = compare_views(original, shown(original, H_original_output),
-                                  cv::Mat(kSize, CV_8UC1, cv::Scalar(255)));
+  const auto view = compare_views(original, looked_at(shown(original, H_original_output)));
   return view.value_or(ShownView{{}, 0, 0, -1});
 }
 
@@ -61,7 +60,7 @@ TEST(ShownView, TellsStretchingFromZoom) {
 TEST(ShownView, IsNotFoundInAnotherPicture) {
   const cv::Mat original = seen(texture(), {0, 0, 0});
   const cv::Mat other = texture()(cv::Rect({0, 0}, kSize)).clone();
-  EXPECT_FALSE(compare_views(original, other, cv::Mat(kSize, CV_8UC1, cv::Scalar(255))));
+  EXPECT_FALSE(compare_views(original, looked_at(other)));
 }
 
 }  // namespace
