@@ -19,8 +19,14 @@ import page
 import sessions
 import stabilizers
 
+
+def number(value):
+    return "-" if value is None else f"{value:.3f}"
+
+
 COLUMNS = (  # heading, width, and how a row tells it
     ("rate deg/s", 10, lambda j: f"{j['rate_above_1hz_deg_s']:.3f}"),
+    ("inside", 7, lambda j: number(j["rate_inside_above_1hz_deg_s"])),
     ("shift px", 8, lambda j: f"{j['shift_above_1hz_px']:.3f}"),
     ("wobble px", 9, lambda j: f"{j['wobble_px']:.3f}"),
     ("residual px", 11, lambda j: f"{j['residual_px']:.3f}"),
@@ -30,10 +36,10 @@ COLUMNS = (  # heading, width, and how a row tells it
     ("border %", 8, lambda j: f"{100 * j['border_share']:.3f}"),
 )
 EXPLANATION = """\
-rate: camera's angular rate above 1 Hz, rms; shift: of the picture's middle above 1 Hz, rms a frame; wobble: of rows
-against each other above 1 Hz, rms a frame; residual: tracks' distance from the frames' homography, rms; ITF: mean PSNR
-from frame to frame; view: share of the original's area; distortion: of the shape against the original, which a rolling
-shutter may have bent; border: black pixels at the edge."""
+rate: camera's angular rate above 1 Hz, rms; inside: the same without the first and last 2 s; shift: of the picture's
+middle above 1 Hz, rms a frame; wobble: of rows against each other above 1 Hz, rms a frame; residual: tracks' distance
+from the frames' homography, rms; ITF: mean PSNR from frame to frame; view: share of the original's area; distortion: of
+the shape against the original, which a rolling shutter may have bent; border: black pixels at the edge."""
 
 
 @dataclasses.dataclass

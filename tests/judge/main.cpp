@@ -112,6 +112,7 @@ nlohmann::ordered_json to_json(const Judgement& judgement) {
   nlohmann::ordered_json json = {{"frames", judgement.frames},
                                  {"lost_pairs", judgement.lost_pairs},
                                  {"rate_above_1hz_deg_s", judgement.rate_deg_s},
+                                 {"rate_inside_above_1hz_deg_s", nullptr},
                                  {"shift_above_1hz_px", judgement.shift_px},
                                  {"wobble_px", judgement.wobble_px},
                                  {"residual_px", judgement.residual_px},
@@ -119,6 +120,9 @@ nlohmann::ordered_json to_json(const Judgement& judgement) {
                                  {"border_share", judgement.border_share},
                                  {"worst_border_share", judgement.worst_border_share},
                                  {"path_deg", to_json(judgement.path_deg)}};
+  if (judgement.rate_inside_deg_s) {
+    json["rate_inside_above_1hz_deg_s"] = *judgement.rate_inside_deg_s;
+  }
   if (const auto& view = judgement.against_original) {
     json["against_original"] = {{"frames", view->frames},
                                 {"zoom", view->zoom},

@@ -15,6 +15,8 @@ namespace gimbal::judge {
 namespace {
 
 constexpr double kCutoff_hz = 1;
+constexpr double kEnd_s = 2;
+constexpr double kShortest_s = 5;  // of a video that has an inside
 constexpr double kDegrees = 180 / std::numbers::pi;
 /// A track farther than this share of the width from the camera's rotation is not the scene's.
 constexpr double kSceneShare = 1.0 / 64;
@@ -129,7 +131,9 @@ class MotionMeasures {
   }
 
   void write_to(Judgement& judgement) const {
-    judgement.rate_deg_s = rms_length(fast_part(rates_deg_s_, kCutoff_hz));
+    const std::vector<cv::Vec3d> shake_deg_s = fast_part(rates_deg_s_, kCutoff_hz);
+    judgement.rate_deg_s = rms_length(shake_deg_s);
+    judgement.rate_inside_deg_s = rms_inside(shake_deg_s, judgement.frames / fps_);
     judgement.shift_px = rms_length(fast_part(shifts_, kCutoff_hz));
     judgement.wobble_px = wobble_.rms_px(kCutoff_hz);
     judgement.residual_px = std::sqrt(mean(residuals_px2_));
@@ -149,6 +153,17 @@ class MotionMeasures {
     cv::Rodrigues(R_to_from.t(), turn_rad);
     rates_deg_s_.push_back({time_s, fps_ * kDegrees * (R_world_camera_ * turn_rad)});
     R_world_camera_ = R_world_camera_ * R_to_from.t();
+  }
+
+  [[nodiscard]] std::optional<double> rms_inside(const std::vector<cv::Vec3d>& shake_deg_s,
+                                                 double duration_s) const {
+    if (duration_s < kShortest_s) return std::nullopt;
+    std::vector<cv::Vec3d> inside;
+    for (std::size_t i = 0; i < shake_deg_s.size(); ++i) {
+      const double time_s = rates_deg_s_[i].time_s;
+      if (time_s >= kEnd_s && time_s <= duration_s - kEnd_s) inside.push_back(shake_deg_s[i]);
+    }
+    return rms_length(inside);
   }
 
   Pinhole camera_;

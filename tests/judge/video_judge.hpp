@@ -15,8 +15,11 @@ namespace gimbal::judge {
 struct Judgement {
   int frames = 0;
   double rate_deg_s = 0;  ///< rms angular rate of the camera, three axes together
-  double shift_px = 0;    ///< rms motion of the picture's middle, px a frame
-  double wobble_px = 0;   ///< see RowWobble, px a frame
+  /// The same without the first and the last two seconds, where no stabilizer knows what was before
+  /// or comes after; nothing of a video of less than five seconds.
+  std::optional<double> rate_inside_deg_s;
+  double shift_px = 0;   ///< rms motion of the picture's middle, px a frame
+  double wobble_px = 0;  ///< see RowWobble, px a frame
   /// Rms distance of tracks from each pair of frames' best homography, px: wobble that is no
   /// homography, what moves in the scene, and the tracker's noise.
   double residual_px = 0;

@@ -29,6 +29,19 @@ TEST(VideoJudge, KnowsTheRateOfAShake) {
   EXPECT_NEAR(judgement.shift_px, expected_px, 0.02 * expected_px);
 }
 
+TEST(VideoJudge, TellsTheEndsFromTheInside) {
+  const cv::Mat wall = texture();
+  const cv::Mat still = seen(wall, {0, 0, 0});
+  const auto shaken_until_1_s = [&](double time_s) {
+    return time_s < 1 ? seen(wall, {0.004 * sine(5, time_s), 0, 0}) : still;
+  };
+  const Judgement judgement = judged(160, shaken_until_1_s);
+  ASSERT_TRUE(judgement.rate_inside_deg_s);
+  EXPECT_GT(judgement.rate_deg_s, 1);
+  EXPECT_LT(*judgement.rate_inside_deg_s, 0.01);
+  EXPECT_FALSE(judged(140, [&](double) { return still; }).rate_inside_deg_s);
+}
+
 TEST(VideoJudge, DoesNotBlameAPan) {
   const cv::Mat wall = texture();
   const Judgement judgement = judged(60, [&](double time_s) {
