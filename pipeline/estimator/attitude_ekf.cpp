@@ -63,6 +63,7 @@ AttitudeEkf::AttitudeEkf(const AttitudeEkfParameters& parameters) : parameters_(
   state_.lost_gyro_axes = LostAxes(p.lost_gyro_axes);
   state_.lost_accel_axes = LostAxes(p.lost_accel_axes);
   state_.steadiness = Steadiness(p.steadiness);
+  state_.vibration = MotorVibration(p.vibration);
   state_.tilt_watch = TiltWatch(p.tilt_watch);
   state_.rate_walk_rad2_s3 = square(p.start_rate_walk_rad_s_rts);
   state_.accel_mean_square_m2_s4 = 1;
@@ -136,6 +137,7 @@ void AttitudeEkf::continue_with(const ImuSample& sample) {
   }
   bridge_or_advance(sample, interval_s);
   learn_intervals(interval_s);
+  state_.vibration.add(sample.gyro_rad_s, sample.accel_m_s2, interval_s);
   if (!state_.tilt_is_known && !state_.alignment.has_started() && sample.accel_m_s2) {
     state_.alignment.start(state_.filter.mean().q_world_imu * *sample.accel_m_s2);
   }
@@ -281,7 +283,9 @@ void AttitudeEkf::become_upright() {
   mean.q_world_imu = (world.turn * mean.q_world_imu).normalized();
   mean.velocity_m_s.setZero();
   state_.velocity_mean_m_s.setZero();
-  state_.seen_velocity_density_m2_s = parameters_.start_velocity_density_m2_s;
+  state_.seen_velocity_density_m2_s =
+      std::max(parameters_.start_velocity_density_m2_s,
+               parameters_.machine_density_s * square(machine_velocity_m_s()));
   state_.accel_mean_square_m2_s4 = alignment.accel_mean_square_m2_s4();
 
   ErrorCovariance& P = state_.filter.covariance();
@@ -327,7 +331,7 @@ void AttitudeEkf::close_step(SensorTime time) {
   if (state_.tilt_is_known) {
     if (pending.accel_interval_s > 0) bound_motion(pending);
   } else {
-    state_.alignment.add(pending);
+    state_.alignment.add(pending, machine_velocity_m_s());
     // Before it is known what is up, forces show no velocity.
     state_.step.transition.keep_velocity();
     set_variance(state_.filter.covariance(), Index::velocity, Eigen::Vector3d::Zero());
@@ -374,13 +378,22 @@ void AttitudeEkf::learn_velocity_density(double interval_s) {
 void AttitudeEkf::bound_acceleration(const ErrorStateFilter::Pending& step) {
   const auto tilt_variance = state_.filter.covariance().diagonal().segment<2>(Index::attitude);
   if (tilt_variance.mean() < square(parameters_.coarse_tilt_sigma_rad)) return;
+  const double fast_density_m2_s =
+      std::max(state_.seen_velocity_density_m2_s - parameters_.start_velocity_density_m2_s, 0.0);
   const double density = parameters_.accel_density_m2_s3 +
-                         parameters_.accel_density_by_accel_s * state_.accel_mean_square_m2_s4;
+                         parameters_.accel_density_by_accel_s * state_.accel_mean_square_m2_s4 +
+                         parameters_.accel_density_by_velocity_s2 * fast_density_m2_s;
   const double variance = density / step.accel_interval_s / square(kGravity_m_s2);
   const Eigen::Vector3d force = step.velocity_m_s / step.accel_interval_s;
   // A small tilt by θ shows gravity's reaction along θ x (0, 0, g), with the opposite sign.
   measure(Index::attitude, force.y() / kGravity_m_s2, variance);
   measure(Index::attitude + 1, -force.x() / kGravity_m_s2, variance);
+}
+
+double AttitudeEkf::machine_velocity_m_s() const {
+  const AttitudeEkfParameters& p = parameters_;
+  if (state_.steadiness.rate_density_rad2_s() < p.parked_density_rad2_s) return 0;
+  return p.machine_velocity_m_s * state_.vibration.machine_share();
 }
 
 void AttitudeEkf::watch_bias(const ErrorStateFilter::Pending& step) {

@@ -10,6 +10,7 @@
 #include "pipeline/estimator/error_state_filter.hpp"
 #include "pipeline/estimator/estimator.hpp"
 #include "pipeline/estimator/lost_axes.hpp"
+#include "pipeline/estimator/motor_vibration.hpp"
 #include "pipeline/estimator/plausibility.hpp"
 #include "pipeline/estimator/steadiness.hpp"
 #include "pipeline/estimator/tilt_alignment.hpp"
@@ -54,11 +55,18 @@ struct AttitudeEkfParameters {
   double velocity_mean_s = 1;
   double velocity_memory_s = 5;
   double start_velocity_density_m2_s = 2;
+  /// A start in flight: what motors shake may move as fast as this, an axis, unless the rate shows
+  /// that it is parked; and its density over the square of that, twice the correlation time.
+  MotorVibrationParameters vibration;
+  double machine_velocity_m_s = 2.5;
+  double parked_density_rad2_s = 5e-5;
+  double machine_density_s = 10;
   /// Acceleration beside gravity is bounded too, which brings a tilt that is badly known (at the
   /// start, after gaps and lost axes) near in no time. Later its correlation in time would mislead.
   double accel_density_m2_s3 = 0.06;
   double accel_density_by_accel_s = 0.2;
-  double coarse_tilt_sigma_rad = 0.05;  ///< below this the velocity alone decides
+  double accel_density_by_velocity_s2 = 0.4;  ///< of what the velocity's is above that of a walk
+  double coarse_tilt_sigma_rad = 0.05;        ///< below this the velocity alone decides
   double accel_memory_s = 0.8;
   /// Turns come and go: the gyroscope's mean shows its bias, the better the steadier the device is.
   /// Density of the rate as a measurement of the bias over the rate's recent variance. A mean that
@@ -127,6 +135,7 @@ struct AttitudeEkfState {
   double accel_mean_square_m2_s4 = 0;                           ///< beside gravity
   Eigen::Vector3d velocity_mean_m_s = Eigen::Vector3d::Zero();  ///< recent, before its bound
   double seen_velocity_density_m2_s = 0;
+  MotorVibration vibration{MotorVibrationParameters{}};
   Eigen::Vector3d rate_mean_rad_s = Eigen::Vector3d::Zero();
   double rate_variance_rad2_s2 = 0;
   Steadiness steadiness{SteadinessParameters{}};
@@ -207,6 +216,7 @@ class AttitudeEkf final : public Estimator {
   void bound_velocity(const ErrorStateFilter::Pending& step);
   void learn_velocity_density(double interval_s);
   void bound_acceleration(const ErrorStateFilter::Pending& step);
+  [[nodiscard]] double machine_velocity_m_s() const;
   void watch_bias(const ErrorStateFilter::Pending& step);
   [[nodiscard]] double rate_density() const;
   void measure(int index, double residual, double noise_variance);

@@ -23,7 +23,8 @@ void TiltAlignment::start(const Eigen::Vector3d& force_m_s2) {
   first_direction_ = force_m_s2.normalized();
 }
 
-void TiltAlignment::add(const ErrorStateFilter::Pending& step) {
+void TiltAlignment::add(const ErrorStateFilter::Pending& step, double machine_velocity_m_s) {
+  machine_velocity_m_s_ = machine_velocity_m_s;
   if (step.accel_interval_s <= 0) return;
   force_m_s_ += step.velocity_m_s;
   force_square_m2_s3_ += step.velocity_m_s.squaredNorm() / step.accel_interval_s;
@@ -50,7 +51,7 @@ double TiltAlignment::accel_mean_square_m2_s4() const {
 }
 
 double TiltAlignment::velocity_variance_m2_s2() const {
-  return square(parameters_.velocity_sigma_m_s) +
+  return square(parameters_.velocity_sigma_m_s) + square(machine_velocity_m_s_) +
          square(parameters_.velocity_by_accel_s) * accel_mean_square_m2_s4();
 }
 

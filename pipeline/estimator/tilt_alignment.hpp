@@ -31,8 +31,9 @@ class TiltAlignment {
 
   [[nodiscard]] bool has_started() const { return first_direction_ != Eigen::Vector3d::Zero(); }
 
-  /// Sums over the samples of a step, in the axes that are held still.
-  void add(const ErrorStateFilter::Pending& step);
+  /// Sums over the samples of a step, in the axes that are held still, and how fast a machine may
+  /// carry the device, an axis, by all that is known then.
+  void add(const ErrorStateFilter::Pending& step, double machine_velocity_m_s);
 
   /// From the axes that are held still to upright ones, by all forces up to now: those added and
   /// those of the step that is not over yet. The identity before any force.
@@ -66,6 +67,7 @@ class TiltAlignment {
   double force_square_m2_s3_ = 0;
   Eigen::Matrix3d rotation_s_ = Eigen::Matrix3d::Zero();
   double interval_s_ = 0;
+  double machine_velocity_m_s_ = 0;
 };
 
 }  // namespace gimbal

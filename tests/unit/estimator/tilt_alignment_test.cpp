@@ -66,7 +66,7 @@ TEST(TiltAlignment, AtRestIsUprightFromTheFirstForce) {
   alignment.start(9.81 * up.normalized());
   EXPECT_LT(angle_between(alignment.turn_upright({}), up), 1e-6);
   int steps = 0;
-  for (; !alignment.is_done(1e-6); ++steps) alignment.add(step_of(9.81 * up.normalized()));
+  for (; !alignment.is_done(1e-6); ++steps) alignment.add(step_of(9.81 * up.normalized()), 0);
   EXPECT_LT(steps * kStep_s, 1);
   EXPECT_LT(angle_between(alignment.turn_upright({}), up), 1e-6);
 }
@@ -84,7 +84,7 @@ TEST(TiltAlignment, SaysHowWrongItIsOnADeviceThatIsShaken) {
     const Eigen::Vector3d first = device.next_force();
     alignment.start(first);
     squared_of_force += std::pow(angle_between(alignment.turn_upright({}), up), 2);
-    for (int i = 0; i < 50; ++i) alignment.add(step_of(device.next_force()));
+    for (int i = 0; i < 50; ++i) alignment.add(step_of(device.next_force()), 0);
     squared += std::pow(angle_between(alignment.turn_upright({}), up), 2);
     variance += 2 * alignment.tilt_variance_rad2();
   }
@@ -100,7 +100,7 @@ TEST(TiltAlignment, TheLongerTheSurer) {
   EXPECT_DOUBLE_EQ(last, kUnknownAngle_rad2);
   alignment.start(device.next_force());
   for (int k = 0; k < 5; ++k) {
-    for (int i = 0; i < 20; ++i) alignment.add(step_of(device.next_force()));
+    for (int i = 0; i < 20; ++i) alignment.add(step_of(device.next_force()), 0);
     EXPECT_LT(alignment.tilt_variance_rad2(), last);
     last = alignment.tilt_variance_rad2();
   }
@@ -118,8 +118,8 @@ TEST(TiltAlignment, ABiasThatIsUnknownEndsIt) {
     const auto step = step_of(device.next_force());
     if (!known.is_done(1e-8)) ++until_known;
     if (!unknown.is_done(25 * kNothingKnown_rad2_s2)) ++until_unknown;
-    known.add(step);
-    unknown.add(step);
+    known.add(step, 0);
+    unknown.add(step, 0);
   }
   EXPECT_LT(until_unknown, until_known);
   EXPECT_LE(until_known * kStep_s, TiltAlignmentParameters{}.longest_s + kStep_s);
@@ -128,7 +128,7 @@ TEST(TiltAlignment, ABiasThatIsUnknownEndsIt) {
 TEST(TiltAlignment, FreeFallHasNoDirection) {
   TiltAlignment alignment{{}};
   alignment.start({0, 0.1, 0});
-  for (int i = 0; i < 1000; ++i) alignment.add(step_of({0, 0.1, 0}));
+  for (int i = 0; i < 1000; ++i) alignment.add(step_of({0, 0.1, 0}), 0);
   EXPECT_FALSE(alignment.is_done(kNothingKnown_rad2_s2));
   EXPECT_EQ(alignment.turn_upright({}).coeffs(), Eigen::Quaterniond::Identity().coeffs());
 }
@@ -140,7 +140,7 @@ TEST(TiltAlignment, KnowsWhatABiasTurnsUnseen) {
   TiltAlignment alignment{{}};
   for (int i = 0; i < 100; ++i) {
     const double turned = bias_rad_s * (i + 0.5) * kStep_s;
-    alignment.add(step_of(9.81 * Eigen::Vector3d(0, std::sin(turned), std::cos(turned))));
+    alignment.add(step_of(9.81 * Eigen::Vector3d(0, std::sin(turned), std::cos(turned))), 0);
   }
   const double at_end = bias_rad_s * 100 * kStep_s;
   const Eigen::Vector3d up(0, std::sin(at_end), std::cos(at_end));
