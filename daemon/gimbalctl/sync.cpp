@@ -6,6 +6,7 @@
 
 #include "daemon/gimbalctl/commands.hpp"
 #include "daemon/gimbalctl/svg_plot.hpp"
+#include "daemon/gimbalctl/sync_profile.hpp"
 #include "daemon/gimbalctl/sync_report.hpp"
 #include "daemon/gimbalctl/tracked_session.hpp"
 #include "daemon/gimbalctl/warnings.hpp"
@@ -17,7 +18,9 @@ namespace {
 
 struct Arguments {
   std::filesystem::path session;
-  std::filesystem::path plot;
+  std::filesystem::path plot;     ///< empty: none
+  std::filesystem::path profile;  ///< empty: none
+  ExistingFile existing = ExistingFile::kept;
   bool json = false;
   bool quiet = false;
 };
@@ -49,8 +52,11 @@ Result<void> run(const Arguments& arguments) {
   if (!arguments.plot.empty() && !found.curve.empty()) {
     if (auto written = write_svg(offset_plot(found), arguments.plot); !written) return written;
   }
-  if (found.reason.empty()) return {};
-  return bad_input(arguments.session.string() + ": cannot tell: " + found.reason);
+  if (!found.reason.empty()) {
+    return bad_input(arguments.session.string() + ": cannot tell: " + found.reason);
+  }
+  if (arguments.profile.empty()) return {};
+  return write_sync_profile(*session, found, arguments.profile, arguments.existing);
 }
 
 }  // namespace
@@ -65,6 +71,15 @@ void add_sync_command(CLI::App& app, CommandOutcome& outcome) {
       ->required();
   command->add_flag("--json", arguments->json, "For programs");
   command->add_option("--plot", arguments->plot, "FILE.svg: how well each time offset would do");
+  CLI::Option* const write =
+      command->add_option("--write", arguments->profile,
+                          "FILE.toml: the recording's session.toml with what was found, for a "
+                          "session folder or the daemon's camera.calibration");
+  command
+      ->add_flag_callback(
+          "--overwrite", [arguments] { arguments->existing = ExistingFile::replaced; },
+          "Replace that file if it is there")
+      ->needs(write);
   command->add_flag("--quiet", arguments->quiet, "No progress bar");
   command->callback([arguments, &outcome] { outcome = run(*arguments); });
 }

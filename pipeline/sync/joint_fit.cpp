@@ -1,12 +1,12 @@
 #include "pipeline/sync/joint_fit.hpp"
 
 #include <ceres/ceres.h>
+#include <ceres/normal_prior.h>
 #include <fmt/format.h>
 
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <optional>
 #include <utility>
 
 #include "pipeline/sync/gyro_integral.hpp"
@@ -21,6 +21,7 @@ constexpr double kMargin_s = 0.1;   // how far an offset may move in a round
 constexpr double kLossScale = 2.0;  // of the Cauchy loss, in standard deviations
 constexpr double kStretch_s = 0.25;
 constexpr std::size_t kStretchesTogether = 8;  // so long do errors last
+constexpr double kFirstDispersion_px2 = 100;   // until it is known
 constexpr double kSmallestNoise_px = 0.01;
 constexpr std::size_t kFewestPairs = 100;
 
@@ -74,8 +75,34 @@ double noise_px(const Linearised& problem) {
   return std::max(kSmallestNoise_px, *middle / std::sqrt(2 * std::log(2.0)));
 }
 
-Result<JointStep> solve(const Linearised& problem, double loss_scale_px) {
-  ceres::CauchyLoss loss(loss_scale_px);
+/// What is known before: gyroscopes are off by about a degree a second, and focal lengths as data
+/// sheets and old calibrations have them by some per cent. Variances of a step's components; the
+/// others are not known at all.
+JointStep prior_weights() {
+  constexpr double kBias_rad_s = 0.02;
+  constexpr double kLogFocal = 0.05;
+  JointStep weights = JointStep::Zero();
+  weights.segment<3>(JointIndex::bias_rad_s).setConstant(1 / (kBias_rad_s * kBias_rad_s));
+  weights[JointIndex::log_focal] = 1 / (kLogFocal * kLogFocal);
+  return weights;
+}
+
+/// The step that leads to what the prior expects: no bias, the calibration's focal length.
+JointStep prior_step(const JointParameters& at) {
+  JointStep step = JointStep::Zero();
+  step.segment<3>(JointIndex::bias_rad_s) = -at.gyro_bias_rad_s;
+  step[JointIndex::log_focal] = -std::log(at.focal_scale);
+  return step;
+}
+
+struct Loss {
+  double scale_px = 0;
+  /// What a square pixel of misses is worth: their variance, times how many of them err as one.
+  double dispersion_px2 = 0;
+};
+
+Result<JointStep> solve(const Linearised& problem, const Loss& loss_of) {
+  ceres::CauchyLoss loss(loss_of.scale_px);
   ceres::Problem::Options ownership;
   ownership.loss_function_ownership = ceres::DO_NOT_TAKE_OWNERSHIP;
   ceres::Problem ceres_problem(ownership);
@@ -84,6 +111,10 @@ Result<JointStep> solve(const Linearised& problem, double loss_scale_px) {
     ceres_problem.AddResidualBlock(new PairResidual(pair, problem.gyro, problem.at), &loss,
                                    step.data());
   }
+  const JointStep prior = (loss_of.dispersion_px2 * prior_weights()).cwiseSqrt();
+  ceres_problem.AddResidualBlock(
+      new ceres::NormalPrior(prior.asDiagonal().toDenseMatrix(), prior_step(problem.at)), nullptr,
+      step.data());
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
   options.logging_type = ceres::SILENT;
@@ -143,10 +174,16 @@ JointCovariance score_covariance(const std::vector<JointStep>& scores) {
   return sum * independent / std::max(1.0, independent - double{JointIndex::size});
 }
 
-JointCovariance covariance(const Linearised& problem, double loss_scale_px) {
-  const LossShape shape = loss_shape(problem, loss_scale_px);
-  const JointCovariance inverse = shape.curvature.inverse();
-  return inverse * score_covariance(shape.scores) * inverse;
+/// How large scores are for the curvature that goes with them.
+double dispersion_px2(const LossShape& shape) {
+  return (shape.curvature.inverse() * score_covariance(shape.scores)).trace() /
+         double{JointIndex::size};
+}
+
+JointCovariance covariance(const LossShape& shape, double dispersion) {
+  const JointCovariance prior = prior_weights().asDiagonal();
+  const JointCovariance inverse = (shape.curvature + dispersion * prior).inverse();
+  return inverse * (score_covariance(shape.scores) + dispersion * dispersion * prior) * inverse;
 }
 
 double agreeing_share(const Linearised& problem, double noise) {
@@ -161,25 +198,30 @@ double agreeing_share(const Linearised& problem, double noise) {
 Result<JointFit> fit_jointly(const JointData& data, const JointParameters& start) {
   JointFit fit;
   fit.parameters = start;
-  std::optional<Linearised> problem;
-  for (int round = 0; round <= kRounds; ++round) {
-    Result<Linearised> linearised = linearise(data, fit.parameters);
-    if (!linearised) return tl::unexpected(linearised.error());
-    if (linearised->pairs.size() < kFewestPairs) {
+  Loss loss{0, kFirstDispersion_px2};
+  for (int round = 0;; ++round) {
+    const Result<Linearised> problem = linearise(data, fit.parameters);
+    if (!problem) return tl::unexpected(problem.error());
+    if (problem->pairs.size() < kFewestPairs) {
       return bad_input(fmt::format("only {} pairs of corners fall into the gyroscope's log",
-                                   linearised->pairs.size()));
+                                   problem->pairs.size()));
     }
-    problem.emplace(*std::move(linearised));
     fit.noise_px = noise_px(*problem);
-    if (round == kRounds) break;
-    const auto step = solve(*problem, kLossScale * fit.noise_px);
+    loss.scale_px = kLossScale * fit.noise_px;
+    if (round > 0) {
+      const LossShape shape = loss_shape(*problem, loss.scale_px);
+      loss.dispersion_px2 = dispersion_px2(shape);
+      fit.covariance = covariance(shape, loss.dispersion_px2);
+    }
+    if (round == kRounds) {
+      fit.pairs = problem->pairs.size();
+      fit.agreeing = agreeing_share(*problem, fit.noise_px);
+      return fit;
+    }
+    const auto step = solve(*problem, loss);
     if (!step) return tl::unexpected(step.error());
     fit.parameters = moved(fit.parameters, *step);
   }
-  fit.covariance = covariance(*problem, kLossScale * fit.noise_px);
-  fit.pairs = problem->pairs.size();
-  fit.agreeing = agreeing_share(*problem, fit.noise_px);
-  return fit;
 }
 
 }  // namespace gimbal

@@ -1,0 +1,43 @@
+#include "drivers/replay/recalibrated_toml.hpp"
+
+#include <toml++/toml.h>
+
+#include <sstream>
+
+namespace gimbal {
+namespace {
+
+toml::array rows_of(const Eigen::Matrix3d& matrix) {
+  toml::array rows;
+  for (Eigen::Index row = 0; row < 3; ++row) {
+    rows.push_back(toml::array{matrix(row, 0), matrix(row, 1), matrix(row, 2)});
+  }
+  return rows;
+}
+
+toml::table& table_in(toml::table& root, std::string_view name) {
+  if (root[name].as_table() == nullptr) root.insert_or_assign(name, toml::table{});
+  return *root[name].as_table();
+}
+
+}  // namespace
+
+Result<std::string> recalibrated_toml(std::string_view session_toml,
+                                      const FittedCalibration& fitted) {
+  toml::table root;
+  try {
+    root = toml::parse(session_toml);
+  } catch (const toml::parse_error& error) {
+    return bad_input("session.toml: " + std::string(error.description()));
+  }
+  toml::table& camera = table_in(root, "camera");
+  camera.insert_or_assign("K", rows_of(fitted.K));
+  camera.insert_or_assign("readout_s", to_seconds(fitted.readout));
+  camera.insert_or_assign("time_offset_s", to_seconds(fitted.time_offset));
+  table_in(root, "imu").insert_or_assign("R_camera_imu", rows_of(fitted.R_camera_imu));
+  std::ostringstream text;
+  text << root << "\n";
+  return text.str();
+}
+
+}  // namespace gimbal
