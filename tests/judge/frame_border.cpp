@@ -7,6 +7,8 @@ namespace gimbal::judge {
 namespace {
 
 constexpr int kMostBlack = 18;  // 16, and what lossy coding adds
+constexpr int kMostDark = 28;   // of an original that may have become black by being drawn again
+constexpr int kNext_px = 4;     // that a homography may be off
 
 bool is_at_edge(const cv::Mat& stats, int label, cv::Size size) {
   const int left = stats.at<int>(label, cv::CC_STAT_LEFT);
@@ -36,6 +38,20 @@ cv::Mat black_border(const cv::Mat& luma) {
     }
   }
   return border;
+}
+
+cv::Mat without_dark_scene(const cv::Mat& border, const cv::Mat& original,
+                           const cv::Matx33d& H_original_output) {
+  cv::Mat shown;
+  cv::warpPerspective(original, shown, H_original_output, border.size(),
+                      cv::INTER_LINEAR | cv::WARP_INVERSE_MAP, cv::BORDER_CONSTANT, 255);
+  const cv::Mat dark = shown <= kMostDark;
+  cv::Mat near_dark;
+  const cv::Size reach(2 * kNext_px + 1, 2 * kNext_px + 1);
+  cv::dilate(dark, near_dark, cv::getStructuringElement(cv::MORPH_RECT, reach));
+  cv::Mat left = border.clone();
+  left.setTo(0, near_dark);
+  return left;
 }
 
 }  // namespace gimbal::judge

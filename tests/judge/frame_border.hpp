@@ -10,4 +10,8 @@ namespace gimbal::judge {
 /// or of another colour does not.
 [[nodiscard]] cv::Mat black_border(const cv::Mat& luma);
 
+/// The border less what the original shows just as dark at that place, or next to it.
+[[nodiscard]] cv::Mat without_dark_scene(const cv::Mat& border, const cv::Mat& original,
+                                         const cv::Matx33d& H_original_output);
+
 }  // namespace gimbal::judge

@@ -181,12 +181,17 @@ class MotionMeasures {
 VideoJudge::VideoJudge(double focal_px, double fps) : focal_px_(focal_px), fps_(fps) {}
 
 void VideoJudge::add(const cv::Mat& luma, const std::optional<cv::Mat>& original) {
-  const cv::Mat border = black_border(luma);
+  cv::Mat border = black_border(luma);
   TrackedPicture picture = make_tracked_picture(luma.clone(), mask_without(border));
-  border_shares_.push_back(cv::countNonZero(border) / static_cast<double>(border.total()));
-  if (original && frames_ % kViewEvery == 0) {
-    if (const auto view = compare_views(*original, picture)) views_.push_back(*view);
+  const bool is_view_due = frames_ % kViewEvery == 0;
+  if (original && (is_view_due || cv::countNonZero(border) > 0)) {
+    if (const auto view = compare_views(*original, picture)) {
+      if (is_view_due) views_.push_back(*view);
+      border = without_dark_scene(border, *original, view->H_original_output);
+      picture.mask = mask_without(border);
+    }
   }
+  border_shares_.push_back(cv::countNonZero(border) / static_cast<double>(border.total()));
   if (frames_ > 0) {
     psnr_db_.push_back(psnr_db(last_.luma, luma));
     pairs_.push_back({(frames_ - 0.5) / fps_, track_corners(last_, picture)});

@@ -26,7 +26,7 @@ struct Judgement {
   /// Inter-frame transformation fidelity: mean over pairs of frames of the PSNR of the luma, dB. A
   /// pair counts at most 58.9, where all that differs is how luma was rounded.
   double itf_db = 0;
-  double border_share = 0;        ///< of all pixels, see black_border
+  double border_share = 0;        ///< of all pixels: black_border, less what the original shows
   double worst_border_share = 0;  ///< of one frame's
   int lost_pairs = 0;             ///< of frames, in which no camera motion was found
   /// How far the camera has turned about its first frame's x, y and z, after each pair of frames,

@@ -93,6 +93,17 @@ TEST(VideoJudge, DoesNotFollowABorder) {
   EXPECT_NEAR(judgement.worst_border_share, 40.0 / 480, 0.005);
 }
 
+TEST(VideoJudge, DoesNotTakeADarkSceneForABorder) {
+  cv::Mat original = seen(texture(), {0, 0, 0});
+  original.rowRange(250, 270).setTo(16);  // a dashboard
+  cv::Mat output;
+  cv::warpAffine(original, output, cv::Matx23d(1, 0, -24, 0, 1, 0), kSize, cv::WARP_INVERSE_MAP,
+                 cv::BORDER_CONSTANT, 16);  // with 24 px to the left that have no source
+  VideoJudge judge(kCamera.focal_px, kFps);
+  for (int i = 0; i < 2; ++i) judge.add(output, original);
+  EXPECT_NEAR(judge.judgement().border_share, 24.0 * 250 / kSize.area(), 0.003);
+}
+
 TEST(VideoJudge, CountsPairsInWhichNothingIsSeen) {
   const cv::Mat wall = texture();
   const Judgement judgement = judged(10, [&](double time_s) {
