@@ -26,7 +26,8 @@ const std::map<std::string, EstimatorKind>& estimator_names() {
 
 const std::map<std::string, PathKind>& path_names() {
   static const std::map<std::string, PathKind> names = {{"hann", PathKind::hann},
-                                                        {"adaptive-hann", PathKind::adaptive_hann}};
+                                                        {"adaptive-hann", PathKind::adaptive_hann},
+                                                        {"bounded", PathKind::bounded}};
   return names;
 }
 
@@ -77,18 +78,25 @@ void take_over_live(const StabilizationSettings& from, StabilizationSettings& to
 }
 
 std::unique_ptr<CameraPath> make_path(const StabilizationSettings& settings, double fps) {
-  if (settings.correction == Correction::rectify_only) return make_hann_path(1, settings.latency);
-  if (settings.path == PathKind::hann) {
-    return make_hann_path(window_for_amount(settings.amount, fps), settings.latency);
+  const ZoomChoice zoom = zoom_choice(settings);
+  if (settings.correction == Correction::rectify_only) {
+    return make_hann_path(1, zoom, settings.latency);
   }
-  return make_adaptive_hann_path(adaptive_hann_for_amount(settings.amount, fps), settings.latency);
+  switch (settings.path) {
+    case PathKind::hann:
+      return make_hann_path(window_for_amount(settings.amount, fps), zoom, settings.latency);
+    case PathKind::adaptive_hann:
+      return make_adaptive_hann_path(adaptive_hann_for_amount(settings.amount, fps), zoom,
+                                     settings.latency);
+    case PathKind::bounded:
+      break;
+  }
+  return make_bounded_path(settings.amount, zoom, settings.latency);
 }
 
 StabilizerOptions stabilizer_options(const StabilizationSettings& settings) {
   StabilizerOptions options;
   options.border = settings.border;
-  options.zoom = zoom_choice(settings);
-  options.latency = settings.latency;
   options.reference_line = settings.reference_line;
   options.output_lens = settings.output_lens;
   options.output_fov_deg = settings.output_fov_deg;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <map>
 #include <memory>
@@ -7,7 +8,6 @@
 #include <string>
 
 #include "pipeline/path/camera_path.hpp"
-#include "pipeline/path/view_limiter.hpp"
 #include "pipeline/sample/result.hpp"
 #include "pipeline/smoother/attitude_stream.hpp"
 #include "pipeline/stabilizer.hpp"
@@ -17,7 +17,7 @@
 namespace gimbal {
 
 enum class EstimatorKind : std::uint8_t { ekf, thesis };
-enum class PathKind : std::uint8_t { hann, adaptive_hann };
+enum class PathKind : std::uint8_t { hann, adaptive_hann, bounded };
 enum class WarperKind : std::uint8_t { gles, cpu };
 enum class Correction : std::uint8_t { rectify_and_stabilize, rectify_only };
 
@@ -28,6 +28,13 @@ enum class Correction : std::uint8_t { rectify_and_stabilize, rectify_only };
 [[nodiscard]] const std::map<std::string, Interpolation>& interpolation_names();
 [[nodiscard]] const std::map<std::string, OutputLens>& output_lens_names();
 [[nodiscard]] const std::map<std::string, Border>& border_names();
+
+/// The word for a value; each has one.
+template <typename Value>
+[[nodiscard]] const std::string& name_of(Value value, const std::map<std::string, Value>& names) {
+  return std::ranges::find_if(names, [&](const auto& named) { return named.second == value; })
+      ->first;
+}
 
 constexpr double kNarrowestOutputFov_deg = 1;
 constexpr double kWidestOutputFov_deg = 150;
@@ -59,7 +66,7 @@ struct StabilizationSettings {
   std::optional<double> output_fov_deg;  ///< none: the focal length that the camera has
   std::optional<int> threads;            ///< that draw a frame on the CPU; none: as many as pay
   EstimatorKind estimator = EstimatorKind::ekf;
-  PathKind path = PathKind::adaptive_hann;
+  PathKind path = PathKind::bounded;
   Correction correction = Correction::rectify_and_stabilize;
   std::optional<double> reference_line;  ///< none: the middle
 

@@ -107,13 +107,6 @@ Json degraded(const LiveStatus& status, const Supervisor& daemon) {
   return states;
 }
 
-/// The word for a value; each has one.
-template <typename Value>
-const std::string& name_of(Value value, const std::map<std::string, Value>& names) {
-  return std::ranges::find_if(names, [&](const auto& named) { return named.second == value; })
-      ->first;
-}
-
 }  // namespace
 
 Json recording_as_json(const RecordingStatus& recording) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "pipeline/path/view_fit.hpp"
+
 namespace gimbal {
 namespace {
 
@@ -15,6 +17,13 @@ constexpr std::size_t kRememberedPoses = 100;
 
 /// In a sixteenth of a readout a hand's turn bends an edge by less than a tenth of a pixel.
 constexpr int kOutlinePointsPerSide = 17;
+
+/// Where borders are filled a view may turn away as far as it could at that zoom.
+constexpr double kFilledRoomZoom = 1.25;
+
+/// How fast a frame that gave way may be rectified again, of all a frame.
+constexpr double kRectifiedStep = 0.1;
+constexpr int kHalvings = 8;
 
 bool is_orthonormal(const Eigen::Matrix3d& R) {
   constexpr double kTolerance = 1e-3;
@@ -47,8 +56,7 @@ Stabilizer::Stabilizer(const CameraCalibration& camera, const ImuCalibration& im
       reference_line_(options.reference_line.value_or((timing_.line_count() - 1) / 2.0)),
       attitudes_(std::move(attitudes)),
       history_(kMaxGap),
-      path_(std::move(path)),
-      limiter_(options.zoom, options.latency) {}
+      path_(std::move(path)) {}
 
 void Stabilizer::push(const ImuSample& sample) {
   attitudes_->push(sample);
@@ -91,9 +99,8 @@ void Stabilizer::begin_path(std::unique_ptr<CameraPath> path) {
 void Stabilizer::replace_path(std::unique_ptr<CameraPath> path, const StabilizerOptions& options) {
   path_ = std::move(path);
   options_ = options;
-  limiter_ = ViewLimiter(options.zoom, options.latency);
-  for (const FramePose& pose : left_path_) path_->push(pose);
-  for (const FramePose& pose : on_path_) path_->push(pose);
+  for (const PathFrame& frame : left_path_) path_->push(frame);
+  for (const PathFrame& frame : on_path_) path_->push(frame);
   follow_path();
 }
 
@@ -101,7 +108,6 @@ void Stabilizer::finish() {
   attitudes_->finish();
   take_attitudes();
   release_waiting();
-  limiter_.finish();
 }
 
 void Stabilizer::release_waiting() {
@@ -119,34 +125,77 @@ void Stabilizer::place_waiting_stamps() {
 }
 
 void Stabilizer::place_next() {
-  const FramePose pose = real_pose(waiting_.front());
+  on_path_.push_back(path_frame(real_pose(waiting_.front())));
   waiting_.pop_front();
-  on_path_.push_back(pose);
-  path_->push(pose);
+  path_->push(on_path_.back());
   follow_path();
 }
 
 void Stabilizer::follow_path() {
-  while (const auto steady = path_->pop()) {
-    const bool has_come = !left_path_.empty() && steady->stamp.time <= left_path_.back().stamp.time;
+  while (const auto view = path_->pop()) {
+    const bool has_come =
+        !left_path_.empty() && view->steady.stamp.time <= left_path_.back().real.stamp.time;
     if (has_come) continue;  // from the path that this one replaced
-    WantedView view{on_path_.front(), steady->q_world_camera, required_zoom_of(steady->stamp)};
-    limiter_.push(std::move(view));
-    left_path_.push_back(on_path_.front());
+    PathFrame& frame = on_path_.front();
+    const bool fits = needed_zoom(frame.required_zoom, view->steady.q_world_camera) <= view->zoom;
+    views_.push_back({*view, fits ? Fit::whole : Fit::in_part});
+    left_path_.push_back(std::move(frame));
     if (left_path_.size() > kRememberedPoses) left_path_.pop_front();
     on_path_.pop_front();
   }
 }
 
 std::optional<VirtualCamera> Stabilizer::next_camera() {
-  const auto view = limiter_.pop();
-  if (!view) return std::nullopt;
-  return VirtualCamera{view->steady.stamp, view->steady.q_world_camera,
-                       zoomed(unzoomed(), camera_.size, view->zoom), options_.output_lens};
+  if (views_.empty()) return std::nullopt;
+  const auto [view, fit] = views_.front();
+  views_.pop_front();
+  VirtualCamera camera = camera_of(view);
+  if (fit == Fit::in_part || last_rectified_ < 1) give_way(camera);
+  return camera;
+}
+
+VirtualCamera Stabilizer::camera_of(const SteadyView& view) const {
+  VirtualCamera camera;
+  camera.stamp = view.steady.stamp;
+  camera.q_world_camera = view.steady.q_world_camera;
+  camera.intrinsics = zoomed(unzoomed(), camera_.size, view.zoom);
+  camera.lens = options_.output_lens;
+  return camera;
+}
+
+bool Stabilizer::shows_border(const VirtualCamera& camera) const {
+  const double zoom = camera.intrinsics.fx / unzoomed().fx;
+  return required_zoom(outline_of(camera.stamp, camera.rectified), camera.q_world_camera,
+                       unzoomed_projection(), camera_.size) *
+             kZoomMargin >
+         zoom;
+}
+
+/// The last resort against a border: a frame that is sheared too much for any view is shown more
+/// as it was taken, down to the frame itself, which fits.
+void Stabilizer::give_way(VirtualCamera& camera) {
+  const Eigen::Quaterniond real = real_pose(camera.stamp).q_world_camera;
+  const auto with_share = [&](double share) {
+    VirtualCamera less = camera;
+    less.q_world_camera = real.slerp(share, camera.q_world_camera);
+    less.rectified = share;
+    return less;
+  };
+  double fits = std::min(1.0, last_rectified_ + kRectifiedStep);
+  if (shows_border(with_share(fits))) {
+    double does_not = fits;
+    fits = 0;
+    for (int i = 0; i < kHalvings; ++i) {
+      const double middle = (fits + does_not) / 2;
+      (shows_border(with_share(middle)) ? does_not : fits) = middle;
+    }
+  }
+  last_rectified_ = fits;
+  camera = with_share(fits);
 }
 
 WarpMesh Stabilizer::mesh_for(const VirtualCamera& camera) const {
-  const LineOrientation orientation = orientation_of(camera.stamp);
+  const LineOrientation orientation = orientation_of(camera.stamp, camera.rectified);
   const ChosenDensity chosen =
       options_.mesh ? ChosenDensity{*options_.mesh, std::nullopt}
                     : choose_mesh_density(lens_, camera_.size, camera_.readout_direction,
@@ -185,8 +234,14 @@ Eigen::Quaterniond Stabilizer::q_world_camera(SensorTime time) const {
   return history_.at(time).q_world_imu * q_imu_camera_;
 }
 
-LineOrientation Stabilizer::orientation_of(const FrameStamp& stamp) const {
-  return [this, stamp](double line) { return q_world_camera(timing_.time_of_line(stamp, line)); };
+LineOrientation Stabilizer::orientation_of(const FrameStamp& stamp, double rectified) const {
+  const auto as_exposed = [this, stamp](double line) {
+    return q_world_camera(timing_.time_of_line(stamp, line));
+  };
+  if (rectified == 1) return as_exposed;
+  return [as_exposed, rectified, q = real_pose(stamp).q_world_camera](double line) {
+    return q.slerp(rectified, as_exposed(line));
+  };
 }
 
 SensorTime Stabilizer::readout_end(const FrameStamp& stamp) const {
@@ -198,16 +253,31 @@ PinholeIntrinsics Stabilizer::unzoomed() const {
   return output_intrinsics(camera_.lens, camera_.size, options_.output_fov_deg);
 }
 
-RequiredZoom Stabilizer::required_zoom_of(const FrameStamp& stamp) const {
+OutputProjection Stabilizer::unzoomed_projection() const {
+  return {options_.output_lens, lens_, unzoomed()};
+}
+
+FrameOutline Stabilizer::outline_of(const FrameStamp& stamp, double rectified) const {
+  return trace_outline(lens_, camera_.size, camera_.readout_direction,
+                       orientation_of(stamp, rectified), kOutlinePointsPerSide);
+}
+
+PathFrame Stabilizer::path_frame(const FramePose& real) const {
+  FrameOutline outline = outline_of(real.stamp, 1);
+  PathFrame frame{
+      real, view_room(outline, real.q_world_camera, unzoomed_projection(), camera_.size), nullptr};
   if (options_.border != Border::crop) {
-    return [](const Eigen::Quaterniond&) { return 0.0; };  // borders are filled: any view will do
+    // Filled borders let any view do, but a picture that is all border is none.
+    frame.room.corner /= kFilledRoomZoom;
+    frame.required_zoom = [](const Eigen::Quaterniond&) { return 0.0; };
+    return frame;
   }
-  return [outline = trace_outline(lens_, camera_.size, camera_.readout_direction,
-                                  orientation_of(stamp), kOutlinePointsPerSide),
-          lens = lens_, output = options_.output_lens, intrinsics = unzoomed(),
-          size = camera_.size](const Eigen::Quaterniond& q_world_camera) {
+  frame.required_zoom = [outline = std::move(outline), lens = lens_, output = options_.output_lens,
+                         intrinsics = unzoomed(),
+                         size = camera_.size](const Eigen::Quaterniond& q_world_camera) {
     return required_zoom(outline, q_world_camera, {output, lens, intrinsics}, size);
   };
+  return frame;
 }
 
 }  // namespace gimbal

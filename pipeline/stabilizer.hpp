@@ -8,7 +8,6 @@
 
 #include "pipeline/lens/lens.hpp"
 #include "pipeline/path/camera_path.hpp"
-#include "pipeline/path/view_limiter.hpp"
 #include "pipeline/sample/calibration.hpp"
 #include "pipeline/sample/result.hpp"
 #include "pipeline/sample/virtual_camera.hpp"
@@ -23,8 +22,6 @@ namespace gimbal {
 
 struct StabilizerOptions {
   Border border = Border::crop;
-  ZoomChoice zoom;
-  PathLatency latency;
   /// The line, in pixels along the readout, that a rectified frame is drawn at; the middle if none.
   std::optional<double> reference_line;
   std::optional<MeshDensity> mesh;  ///< none: as coarse as each frame allows
@@ -35,7 +32,7 @@ struct StabilizerOptions {
 
 /// From samples and frame stamps to the mesh of each frame:
 ///
-///   samples -> attitudes -> history -> pose of the reference line -> path -> limiter -> mesh
+///   samples -> attitudes -> history -> pose of the reference line -> path -> mesh
 ///
 /// Owns no thread and reads no clock. Samples and stamps go in, each in order of time; a stamp's
 /// camera comes out once the path has seen what it waits for.
@@ -102,14 +99,27 @@ class Stabilizer {
   [[nodiscard]] const AttitudeHistory& history() const { return history_; }
 
  private:
+  /// Whether a view shows no border, as its frame is rectified wholly.
+  enum class Fit : std::uint8_t { whole, in_part };
+
+  struct PathView {
+    SteadyView view;
+    Fit fit = Fit::whole;
+  };
+
   Stabilizer(const CameraCalibration& camera, const ImuCalibration& imu, Lens lens,
              std::unique_ptr<AttitudeStream> attitudes, std::unique_ptr<CameraPath> path,
              const StabilizerOptions& options);
 
   [[nodiscard]] Eigen::Quaterniond q_world_camera(SensorTime time) const;
-  [[nodiscard]] LineOrientation orientation_of(const FrameStamp& stamp) const;
+  [[nodiscard]] LineOrientation orientation_of(const FrameStamp& stamp, double rectified) const;
   [[nodiscard]] SensorTime readout_end(const FrameStamp& stamp) const;
-  [[nodiscard]] RequiredZoom required_zoom_of(const FrameStamp& stamp) const;
+  [[nodiscard]] FrameOutline outline_of(const FrameStamp& stamp, double rectified) const;
+  [[nodiscard]] OutputProjection unzoomed_projection() const;
+  [[nodiscard]] PathFrame path_frame(const FramePose& real) const;
+  [[nodiscard]] VirtualCamera camera_of(const SteadyView& view) const;
+  [[nodiscard]] bool shows_border(const VirtualCamera& camera) const;
+  void give_way(VirtualCamera& camera);
   void release_waiting();
   void take_attitudes();
   void place_waiting_stamps();
@@ -129,9 +139,10 @@ class Stabilizer {
   bool is_coasting_ = false;
   std::deque<FrameStamp> waiting_;  ///< for the history to reach them
   std::unique_ptr<CameraPath> path_;
-  std::deque<FramePose> on_path_;    ///< real poses whose steady ones are still to come
-  std::deque<FramePose> left_path_;  ///< the last real poses whose steady ones have come
-  ViewLimiter limiter_;
+  std::deque<PathFrame> on_path_;    ///< frames whose views are still to come
+  std::deque<PathFrame> left_path_;  ///< the last ones whose views have come
+  std::deque<PathView> views_;
+  double last_rectified_ = 1;
 };
 
 }  // namespace gimbal

@@ -21,7 +21,7 @@ struct Arguments {
   std::string interpolation = "bilinear";
   std::string output_lens = "rectilinear";
   std::string border = "crop";
-  std::string path = "adaptive-hann";
+  std::string path = "bounded";
   std::string estimator = "ekf";
 };
 
@@ -114,7 +114,7 @@ void add_options(CLI::App& command, Arguments& arguments) {
       ->option_text("ekf|thesis [ekf]");
   command.add_option("--path", arguments.path, "How the camera's path is smoothed")
       ->transform(CLI::IsMember(names_of(path_names())))
-      ->option_text("hann|adaptive-hann [adaptive-hann]");
+      ->option_text("bounded|hann|adaptive-hann [bounded]");
   command.add_flag_callback(
       "--rectify-only", [&request] { request.correction = Correction::rectify_only; },
       "Take out the rolling shutter, leave the motion");

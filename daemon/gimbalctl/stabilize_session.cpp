@@ -29,20 +29,6 @@ namespace {
 
 constexpr double kShakeCutoffHz = 1.0;
 
-std::string to_string(Border border) {
-  switch (border) {
-    case Border::crop:
-      return "crop";
-    case Border::extend:
-      return "extend";
-    case Border::mirror:
-      return "mirror";
-    case Border::black:
-      return "black";
-  }
-  return {};
-}
-
 /// Frames a second by the stamps themselves: the median step counts, so that gaps do not.
 double rate_of(const std::vector<FrameStamp>& frames) {
   const double step_s = to_seconds(median_step(frames));
@@ -122,10 +108,10 @@ Result<void> Job::run() {
   report_.session = request_.session.string();
   report_.output = request_.out;
   report_.amount = request_.correction == Correction::rectify_only ? 0 : request_.amount;
-  report_.border = to_string(request_.border);
-  report_.estimator = request_.estimator == EstimatorKind::ekf ? "ekf" : "thesis";
-  report_.path = request_.path == PathKind::hann ? "hann" : "adaptive-hann";
-  report_.interpolation = request_.interpolation == Interpolation::bicubic ? "bicubic" : "bilinear";
+  report_.border = name_of(request_.border, border_names());
+  report_.estimator = name_of(request_.estimator, estimator_names());
+  report_.path = name_of(request_.path, path_names());
+  report_.interpolation = name_of(request_.interpolation, interpolation_names());
   report_.latency_frames = request_.latency;
   if (request_.latency) {
     report_.latency_s = static_cast<double>(*request_.latency) / fps_;

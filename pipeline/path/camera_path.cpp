@@ -4,7 +4,9 @@
 #include <cmath>
 
 #include "pipeline/path/adaptive_window.hpp"
-#include "pipeline/path/hann_path.hpp"
+#include "pipeline/path/bounded_path.hpp"
+#include "pipeline/path/hann_filter.hpp"
+#include "pipeline/path/limited_path.hpp"
 
 namespace gimbal {
 namespace {
@@ -40,13 +42,27 @@ AdaptiveHannParameters adaptive_hann_for_amount(double amount, double fps) {
   return parameters;
 }
 
-std::unique_ptr<CameraPath> make_hann_path(int window, PathLatency latency) {
-  return std::make_unique<HannPath>(std::make_unique<ConstantWindow>(window), latency);
+std::unique_ptr<PoseFilter> make_hann_filter(int window, PathLatency latency) {
+  return std::make_unique<HannFilter>(std::make_unique<ConstantWindow>(window), latency);
+}
+
+std::unique_ptr<PoseFilter> make_adaptive_hann_filter(const AdaptiveHannParameters& parameters,
+                                                      PathLatency latency) {
+  return std::make_unique<HannFilter>(std::make_unique<AdaptiveWindow>(parameters), latency);
+}
+
+std::unique_ptr<CameraPath> make_hann_path(int window, ZoomChoice zoom, PathLatency latency) {
+  return std::make_unique<LimitedPath>(make_hann_filter(window, latency), zoom, latency);
 }
 
 std::unique_ptr<CameraPath> make_adaptive_hann_path(const AdaptiveHannParameters& parameters,
-                                                    PathLatency latency) {
-  return std::make_unique<HannPath>(std::make_unique<AdaptiveWindow>(parameters), latency);
+                                                    ZoomChoice zoom, PathLatency latency) {
+  return std::make_unique<LimitedPath>(make_adaptive_hann_filter(parameters, latency), zoom,
+                                       latency);
+}
+
+std::unique_ptr<CameraPath> make_bounded_path(double amount, ZoomChoice zoom, PathLatency latency) {
+  return std::make_unique<BoundedPath>(amount, zoom, latency);
 }
 
 }  // namespace gimbal

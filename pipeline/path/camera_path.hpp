@@ -2,11 +2,13 @@
 
 #include <Eigen/Geometry>
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <optional>
 
 #include "pipeline/path/pan_detector.hpp"
 #include "pipeline/sample/video_frame.hpp"
+#include "pipeline/sample/view_room.hpp"
 
 namespace gimbal {
 
@@ -16,9 +18,33 @@ struct FramePose {
   Eigen::Quaterniond q_world_camera;
 };
 
-/// Smooths the camera's poses, frame by frame. With a latency of k frames the pose of frame i comes
-/// out once frame i+k went in, and depends on nothing later; with no latency given, the path takes
-/// as much of the future as it can use.
+/// The zoom at which a view in the given direction, q_world_camera, shows no border; infinite if
+/// none does.
+using RequiredZoom = std::function<double(const Eigen::Quaterniond&)>;
+
+/// A frame as a path sees it: where the real camera looks, and how far a view may turn away from
+/// it, to first order and exactly.
+struct PathFrame {
+  FramePose real;
+  ViewRoom room;
+  RequiredZoom required_zoom;
+};
+
+/// The virtual camera for a frame.
+struct SteadyView {
+  FramePose steady;
+  double zoom = 1;
+};
+
+/// Either a zoom for all frames, or as little as is needed between two limits.
+struct ZoomChoice {
+  double least = 1;
+  double most = 1;
+};
+
+/// From the real camera to the virtual one, frame by frame. With a latency of k frames the view of
+/// frame i comes out once frame i+k went in, and depends on nothing later; with no latency given,
+/// the path takes as much of the future as it can use.
 class CameraPath {
  public:
   CameraPath() = default;
@@ -26,21 +52,22 @@ class CameraPath {
   CameraPath& operator=(const CameraPath&) = delete;
   virtual ~CameraPath() = default;
 
-  virtual void push(const FramePose& pose) = 0;
+  virtual void push(PathFrame frame) = 0;
 
-  /// No more poses come: what is held is released by `pop`.
+  /// No more frames come: what is held is released by `pop`.
   virtual void finish() = 0;
 
-  /// The next smoothed pose, in order, once enough of the future is known.
-  [[nodiscard]] virtual std::optional<FramePose> pop() = 0;
+  /// The next view, in order, once enough of the future is known.
+  [[nodiscard]] virtual std::optional<SteadyView> pop() = 0;
 };
 
 /// Frames of future that a path may use; none means all that it can use.
 using PathLatency = std::optional<std::size_t>;
 
 /// The thesis' low-pass (2.33, 2.34): Hann window of `window` frames, odd; 1 leaves poses as they
-/// are.
-[[nodiscard]] std::unique_ptr<CameraPath> make_hann_path(int window, PathLatency latency);
+/// are. What does not fit its frame is turned back (ViewLimiter).
+[[nodiscard]] std::unique_ptr<CameraPath> make_hann_path(int window, ZoomChoice zoom,
+                                                         PathLatency latency);
 
 struct AdaptiveHannParameters {
   int wide_window = 99;    ///< frames, odd, while the camera is held (2.3.3)
@@ -51,7 +78,12 @@ struct AdaptiveHannParameters {
 /// The thesis' adaptive low-pass: a CUSUM test on the orientation change slides the window between
 /// the wide and the narrow one.
 [[nodiscard]] std::unique_ptr<CameraPath> make_adaptive_hann_path(
-    const AdaptiveHannParameters& parameters, PathLatency latency);
+    const AdaptiveHannParameters& parameters, ZoomChoice zoom, PathLatency latency);
+
+/// The steadiest path that the frames leave room for (BoundedPath). `amount` from 0, which leaves
+/// poses as they are, to 1.
+[[nodiscard]] std::unique_ptr<CameraPath> make_bounded_path(double amount, ZoomChoice zoom,
+                                                            PathLatency latency);
 
 /// The frame rate that the thesis' windows are for. What matters to the eye is how long a window
 /// lasts, so for other rates they are scaled.

@@ -7,14 +7,12 @@
 #include <utility>
 #include <vector>
 
+#include "pipeline/path/view_fit.hpp"
+
 namespace gimbal {
 namespace {
 
 using Eigen::Quaterniond;
-
-/// A mesh is affine between its vertices, the outline is its edge: this much more zoom covers what
-/// rounding could uncover.
-constexpr double kZoomMargin = 1.0005;
 
 /// How fast a view may approach the steady one again, as share of the way a frame: a third of a
 /// second at 30 fps for all of it.
@@ -29,27 +27,16 @@ constexpr std::array<double, 9> kHalfWidths_s = {1.2, 0.9, 0.7, 0.5, 0.37, 0.27,
 constexpr double kLevelStep = 0.05;
 
 double needed(const WantedView& view, const Quaterniond& q_world_camera) {
-  return view.required_zoom(q_world_camera) * kZoomMargin;
+  return needed_zoom(view.required_zoom, q_world_camera);
 }
 
-/// The largest share of the way from the real view to `q_world_camera` that fits at `zoom`; 0 if
-/// not even the real one does.
-double fitting_share(const WantedView& view, const Quaterniond& q_world_camera, double zoom) {
-  if (needed(view, q_world_camera) <= zoom) return 1;
-  double fits = 0;
-  double does_not = 1;
-  constexpr int kHalvings = 10;
-  for (int i = 0; i < kHalvings; ++i) {
-    const double middle = (fits + does_not) / 2;
-    const Quaterniond between = view.real.q_world_camera.slerp(middle, q_world_camera);
-    (needed(view, between) <= zoom ? fits : does_not) = middle;
-  }
-  return fits;
+double share_that_fits(const WantedView& view, const Quaterniond& q_world_camera, double zoom) {
+  return fitting_share(view.required_zoom, view.real.q_world_camera, q_world_camera, zoom);
 }
 
 /// The view nearest to `q_world_camera` that fits, on the way from the real one.
 Quaterniond fitted(const WantedView& view, const Quaterniond& q_world_camera, double zoom) {
-  const double share = fitting_share(view, q_world_camera, zoom);
+  const double share = share_that_fits(view, q_world_camera, zoom);
   return view.real.q_world_camera.slerp(share, q_world_camera);
 }
 
@@ -121,7 +108,8 @@ void ViewLimiter::push(WantedView view) {
 
 void ViewLimiter::fit_next(const WantedView& view) {
   zoom_ = std::clamp(needed(view, view.q_world_steady), zoom_, choice_.most);
-  last_share_ = std::min(fitting_share(view, view.q_world_steady, zoom_), last_share_ + kShareStep);
+  last_share_ =
+      std::min(share_that_fits(view, view.q_world_steady, zoom_), last_share_ + kShareStep);
   ready_.push_back(
       {{view.real.stamp, view.real.q_world_camera.slerp(last_share_, view.q_world_steady)}, zoom_});
 }
@@ -146,9 +134,9 @@ void ViewLimiter::finish() {
   fit_all();
 }
 
-std::optional<FittedView> ViewLimiter::pop() {
+std::optional<SteadyView> ViewLimiter::pop() {
   if (ready_.empty()) return std::nullopt;
-  FittedView view = std::move(ready_.front());
+  SteadyView view = std::move(ready_.front());
   ready_.pop_front();
   return view;
 }

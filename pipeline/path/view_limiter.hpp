@@ -3,7 +3,6 @@
 #include <Eigen/Geometry>
 #include <cstddef>
 #include <deque>
-#include <functional>
 #include <optional>
 #include <vector>
 
@@ -11,27 +10,11 @@
 
 namespace gimbal {
 
-/// The zoom at which a view in the given direction, q_world_camera, shows no border; infinite if
-/// none does.
-using RequiredZoom = std::function<double(const Eigen::Quaterniond&)>;
-
 /// A steady view as the path wants it, and what the frame can show.
 struct WantedView {
   FramePose real;
   Eigen::Quaterniond q_world_steady;
   RequiredZoom required_zoom;
-};
-
-/// A view that fits its frame as far as any does.
-struct FittedView {
-  FramePose steady;
-  double zoom = 1;
-};
-
-/// Either a zoom for all frames, or the least that is needed up to a limit.
-struct ZoomChoice {
-  double least = 1;
-  double most = 1;
 };
 
 /// Keeps views inside their frames: chooses the zoom, and where the zoom does not suffice turns the
@@ -48,7 +31,7 @@ class ViewLimiter {
 
   void push(WantedView view);
   void finish();
-  [[nodiscard]] std::optional<FittedView> pop();
+  [[nodiscard]] std::optional<SteadyView> pop();
 
  private:
   void fit_next(const WantedView& view);
@@ -59,7 +42,7 @@ class ViewLimiter {
   double zoom_;
   double last_share_ = 1;  ///< of the way from the real to the steady view, of the last frame
   std::vector<WantedView> held_;
-  std::deque<FittedView> ready_;
+  std::deque<SteadyView> ready_;
 };
 
 }  // namespace gimbal

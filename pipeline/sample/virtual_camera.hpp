@@ -29,6 +29,9 @@ struct VirtualCamera {
   Eigen::Quaterniond q_world_camera = Eigen::Quaterniond::Identity();
   PinholeIntrinsics intrinsics;
   OutputLens lens = OutputLens::rectilinear;
+  /// How much of the rolling shutter is taken out: less than all of it where the frame is sheared
+  /// so much that no view fits it.
+  double rectified = 1;
 };
 
 }  // namespace gimbal

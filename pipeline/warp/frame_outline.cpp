@@ -9,6 +9,7 @@
 namespace gimbal {
 namespace {
 
+using Eigen::Quaterniond;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
@@ -69,6 +70,47 @@ double square_distance(const Vector2d& a, const Vector2d& b) {
   return least;
 }
 
+/// Of the picture, in half sizes, in the order of the outline.
+const std::array<Vector2d, 4> kPictureCorners = {Vector2d(-1, -1), Vector2d(1, -1), Vector2d(1, 1),
+                                                 Vector2d(-1, 1)};
+
+/// From a side's first corner to its last, which begins the next side.
+std::vector<std::size_t> points_of_side(const FrameOutline& outline, std::size_t side) {
+  const std::size_t count = outline.rays_world.size();
+  const std::size_t end = side + 1 < 4 ? outline.side_begin[side + 1] : count;
+  std::vector<std::size_t> points;
+  for (std::size_t i = outline.side_begin[side]; i <= end; ++i) points.push_back(i % count);
+  return points;
+}
+
+struct Line {
+  Vector2d outward;
+  double distance;
+};
+
+/// Parallel to the chord of the points, through the innermost of them.
+Line innermost_line(const std::vector<Vector2d>& points, const std::vector<std::size_t>& along) {
+  const Vector2d chord = points[along.back()] - points[along.front()];
+  const Vector2d outward = Vector2d(chord.y(), -chord.x()).normalized();
+  double distance = kInfinity;
+  for (const std::size_t i : along) distance = std::min(distance, outward.dot(points[i]));
+  return {outward, distance};
+}
+
+/// How the pixel of a ray moves as the camera turns about its own axes; zero where it sees none.
+Eigen::Matrix<double, 2, 3> pixels_per_turn(const OutputProjection& projection,
+                                            const Vector3d& ray) {
+  constexpr double kTurn_rad = 1e-4;
+  Eigen::Matrix<double, 2, 3> moved = Eigen::Matrix<double, 2, 3>::Zero();
+  for (int axis = 0; axis < 3; ++axis) {
+    const Vector3d turn = kTurn_rad * Vector3d::Unit(axis).cross(ray);
+    const auto ahead = projection.pixel_of((ray - turn).normalized());
+    const auto behind = projection.pixel_of((ray + turn).normalized());
+    if (ahead && behind) moved.col(axis) = (*ahead - *behind) / (2 * kTurn_rad);
+  }
+  return moved;
+}
+
 }  // namespace
 
 FrameOutline trace_outline(const Lens& lens, ImageSize size, ReadoutDirection direction,
@@ -80,6 +122,7 @@ FrameOutline trace_outline(const Lens& lens, ImageSize size, ReadoutDirection di
   for (std::size_t side = 0; side < corners.size(); ++side) {
     const Vector2d& from = corners[side];
     const Vector2d& to = corners[(side + 1) % corners.size()];
+    outline.side_begin[side] = outline.rays_world.size();
     for (int i = 0; i + 1 < points_per_side; ++i) {
       const Vector2d pixel = from + (to - from) * i / (points_per_side - 1);
       const double line = reads_rows(direction) ? pixel.y() : pixel.x();
@@ -102,6 +145,33 @@ double required_zoom(const FrameOutline& outline, const Eigen::Quaterniond& q_wo
     previous = point;
   }
   return 1 / least;
+}
+
+ViewRoom view_room(const FrameOutline& outline, const Quaterniond& q_world_camera,
+                   const OutputProjection& unzoomed, ImageSize output_size) {
+  ViewRoom room;
+  const auto points = seen_from(outline, q_world_camera, unzoomed, output_size);
+  if (!points || points->empty()) return room;
+  const Vector2d center = center_of(output_size);
+  const Eigen::Matrix3d R_camera_world = q_world_camera.conjugate().toRotationMatrix();
+  Eigen::Index row = 0;
+  for (std::size_t side = 0; side < 4; ++side) {
+    const std::vector<std::size_t> along = points_of_side(outline, side);
+    const Line line = innermost_line(*points, along);
+    for (const Vector2d& corner : {kPictureCorners[side], kPictureCorners[(side + 1) % 4]}) {
+      const std::size_t nearest =
+          *std::min_element(along.begin(), along.end(), [&](std::size_t a, std::size_t b) {
+            return ((*points)[a] - corner).squaredNorm() < ((*points)[b] - corner).squaredNorm();
+          });
+      const Vector3d ray = R_camera_world * outline.rays_world[nearest].cast<double>();
+      room.shift_per_rad.row(row) = -line.outward.transpose() * center.cwiseInverse().asDiagonal() *
+                                    pixels_per_turn(unzoomed, ray);
+      room.side[row] = line.distance;
+      room.corner[row] = line.outward.dot(corner);
+      ++row;
+    }
+  }
+  return room;
 }
 
 PinholeIntrinsics zoomed(const PinholeIntrinsics& intrinsics, ImageSize size, double zoom) {

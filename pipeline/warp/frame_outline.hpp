@@ -2,11 +2,14 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <array>
+#include <cstddef>
 #include <vector>
 
 #include "pipeline/lens/lens.hpp"
 #include "pipeline/sample/calibration.hpp"
 #include "pipeline/sample/video_frame.hpp"
+#include "pipeline/sample/view_room.hpp"
 #include "pipeline/sample/virtual_camera.hpp"
 #include "pipeline/warp/output_projection.hpp"
 #include "pipeline/warp/warp_mesh.hpp"
@@ -17,6 +20,8 @@ namespace gimbal {
 /// was when that point's line was exposed.
 struct FrameOutline {
   std::vector<Eigen::Vector3f> rays_world;  ///< floats: many frames may wait with theirs
+  /// Where the top, right, bottom and left side begin; each ends where the next one begins.
+  std::array<std::size_t, 4> side_begin{};
 };
 
 /// `points_per_side` points along each side of the frame (at least 2), corners included once.
@@ -31,6 +36,13 @@ struct FrameOutline {
 [[nodiscard]] double required_zoom(const FrameOutline& outline,
                                    const Eigen::Quaterniond& q_world_camera,
                                    const OutputProjection& unzoomed, ImageSize output_size);
+
+/// How far a view may turn away from `q_world_camera`, with the frame's sides taken as straight:
+/// each lies at its innermost point. Limits that cannot be told, where the camera does not see all
+/// of the outline, are left out.
+[[nodiscard]] ViewRoom view_room(const FrameOutline& outline,
+                                 const Eigen::Quaterniond& q_world_camera,
+                                 const OutputProjection& unzoomed, ImageSize output_size);
 
 /// Magnifies about the centre of the picture.
 [[nodiscard]] PinholeIntrinsics zoomed(const PinholeIntrinsics& intrinsics, ImageSize size,

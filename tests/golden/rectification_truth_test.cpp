@@ -106,10 +106,10 @@ class Rectification : public ::testing::TestWithParam<Part> {
 
 Errors Rectification::run(std::unique_ptr<AttitudeStream> attitudes,
                           const std::vector<ImuSample>& samples) const {
-  StabilizerOptions options;
-  options.zoom = {1.2, 1.2};  // the harshest frame is bent by 65 px
+  // The harshest frame is bent by 65 px.
+  constexpr ZoomChoice kZoom = {1.2, 1.2};
   auto stabilizer = Stabilizer::create(camera_, test::phone_axes(), std::move(attitudes),
-                                       make_adaptive_hann_path({}, std::nullopt), options);
+                                       make_adaptive_hann_path({}, kZoom, std::nullopt), {});
   if (!stabilizer) throw std::runtime_error(stabilizer.error().message);
   for (const ImuSample& sample : samples) stabilizer->push(sample);
   const int frames = static_cast<int>((GetParam().duration_s - 0.1) * camera_.fps);

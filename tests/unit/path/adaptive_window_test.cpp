@@ -12,6 +12,8 @@
 #include <string>
 #include <vector>
 
+#include "pipeline/path/pose_filter.hpp"
+
 namespace gimbal {
 namespace {
 
@@ -177,9 +179,9 @@ TEST(AdaptiveWindow, IsTheSameForEveryAxisAndDirection) {
   }
 }
 
-TEST(AdaptiveHannPath, StaysCloserToAPanThanTheWideWindow) {
+TEST(AdaptiveHannFilter, StaysCloserToAPanThanTheWideWindow) {
   const auto poses = handheld(12, 30, kPan);
-  const auto farthest = [&](CameraPath& path) {
+  const auto farthest = [&](PoseFilter& path) {
     for (const auto& pose : poses) path.push(pose);
     path.finish();
     double angle_rad = 0;
@@ -189,8 +191,8 @@ TEST(AdaptiveHannPath, StaysCloserToAPanThanTheWideWindow) {
     }
     return angle_rad;
   };
-  const auto wide = make_hann_path(99, {});
-  const auto adaptive = make_adaptive_hann_path({}, {});
+  const auto wide = make_hann_filter(99, {});
+  const auto adaptive = make_adaptive_hann_filter({}, {});
   // At a corner between rest and a pan at rate r a Hann window of half width h strays by
   // r h (1/4 - 1/π²) = 0.149 r h.
   const double per_frame = 0.149 * kPan.rate_rad_s / 30;

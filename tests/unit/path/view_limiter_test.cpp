@@ -8,6 +8,7 @@
 #include <numbers>
 #include <vector>
 
+#include "pipeline/path/pose_filter.hpp"
 #include "pipeline/path/steadiness.hpp"
 
 namespace gimbal {
@@ -26,8 +27,8 @@ WantedView wanted(std::int64_t index, double steady_away_rad) {
           [](const Quaterniond& q) { return 1 + q.angularDistance(yaw(0)); }};
 }
 
-std::vector<FittedView> run(ViewLimiter& limiter, const std::vector<double>& angles_rad) {
-  std::vector<FittedView> views;
+std::vector<SteadyView> run(ViewLimiter& limiter, const std::vector<double>& angles_rad) {
+  std::vector<SteadyView> views;
   const auto take = [&] {
     while (auto view = limiter.pop()) views.push_back(*view);
   };
@@ -40,7 +41,7 @@ std::vector<FittedView> run(ViewLimiter& limiter, const std::vector<double>& ang
   return views;
 }
 
-double angle_of(const FittedView& view) {
+double angle_of(const SteadyView& view) {
   return view.steady.q_world_camera.angularDistance(yaw(0));
 }
 
@@ -55,7 +56,7 @@ TEST(ViewLimiter, LeavesViewsThatFit) {
 TEST(ViewLimiter, AutomaticZoomIsTheLeastThatShowsAllAndConstant) {
   ViewLimiter limiter({1, 1.5}, std::nullopt);
   const auto views = run(limiter, {0.02, 0.1, 0.05});
-  for (const FittedView& view : views) EXPECT_NEAR(view.zoom, 1.1, 2e-3);
+  for (const SteadyView& view : views) EXPECT_NEAR(view.zoom, 1.1, 2e-3);
 }
 
 class AnyLatency : public ::testing::TestWithParam<PathLatency> {};
@@ -158,7 +159,7 @@ double largest_jerk_rad(const std::vector<double>& angles_rad) {
 TEST(ViewLimiter, MovesNoMoreSuddenlyThanTheCameraDid) {
   const std::vector<double> real_rad = held_then_swung_rad();
   ViewLimiter limiter({1.05, 1.05}, std::nullopt);
-  auto path = make_hann_path(99, std::nullopt);
+  auto path = make_hann_filter(99, std::nullopt);
   std::vector<FramePose> real;
   for (std::size_t i = 0; i < real_rad.size(); ++i) {
     const auto index = static_cast<std::int64_t>(i);

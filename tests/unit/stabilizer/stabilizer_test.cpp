@@ -28,12 +28,11 @@ Vector3d hand_rate_rad_s(double t_s) {
 
 class LiveStabilizer : public ::testing::Test {
  protected:
-  static std::unique_ptr<CameraPath> path() { return make_hann_path(kWindow, kLatency); }
+  static std::unique_ptr<CameraPath> path() { return make_hann_path(kWindow, {}, kLatency); }
 
   static StabilizerOptions options() {
     StabilizerOptions options;
     options.border = Border::black;  // any view will do, so the path alone is seen
-    options.latency = kLatency;
     return options;
   }
 
@@ -182,9 +181,7 @@ TEST_F(LiveStabilizer, AReplacedPathOfTheSameKindChangesNothing) {
 
 TEST_F(LiveStabilizer, ALongerLatencyHoldsTheNextFramesAndRepeatsNone) {
   run(0, 2);
-  StabilizerOptions longer = options();
-  longer.latency = 2 * kLatency;
-  stabilizer_.replace_path(make_hann_path(kWindow, longer.latency), longer);
+  stabilizer_.replace_path(make_hann_path(kWindow, {}, 2 * kLatency), options());
   run(2, 4);
   EXPECT_EQ(cameras_.size(), static_cast<std::size_t>(next_index_) - 2 * kLatency);
   for (std::size_t i = 0; i < cameras_.size(); ++i) {

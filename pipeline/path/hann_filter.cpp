@@ -1,4 +1,4 @@
-#include "pipeline/path/hann_path.hpp"
+#include "pipeline/path/hann_filter.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -13,10 +13,10 @@ double hann_weight(std::size_t distance, std::size_t half_width) {
   return 0.5 * (1 + std::cos(std::numbers::pi * fraction));
 }
 
-HannPath::HannPath(std::unique_ptr<WindowSize> window, PathLatency latency)
+HannFilter::HannFilter(std::unique_ptr<WindowSize> window, PathLatency latency)
     : window_(std::move(window)), latency_(latency.value_or(window_->largest_half_width())) {}
 
-void HannPath::push(const FramePose& pose) {
+void HannFilter::push(const FramePose& pose) {
   FramePose consistent = pose;
   if (!poses_.empty() && poses_.back().q_world_camera.dot(pose.q_world_camera) < 0) {
     consistent.q_world_camera.coeffs() *= -1;
@@ -28,18 +28,18 @@ void HannPath::push(const FramePose& pose) {
   if (pushed_ - released_ > latency_) release_next();
 }
 
-void HannPath::finish() {
+void HannFilter::finish() {
   while (released_ < pushed_) release_next();
 }
 
-std::optional<FramePose> HannPath::pop() {
+std::optional<FramePose> HannFilter::pop() {
   if (ready_.empty()) return std::nullopt;
   FramePose next = ready_.front();
   ready_.pop_front();
   return next;
 }
 
-void HannPath::release_next() {
+void HannFilter::release_next() {
   const std::size_t index = released_++;
   const Reach reach = reach_at(index, pushed_ - 1 - index);
   ready_.push_back({pose(index).stamp, mean_around(index, reach)});
@@ -49,14 +49,14 @@ void HannPath::release_next() {
   }
 }
 
-HannPath::Reach HannPath::reach_at(std::size_t index, std::size_t frames_ahead) {
+HannFilter::Reach HannFilter::reach_at(std::size_t index, std::size_t frames_ahead) {
   const std::size_t half_width = std::min(window_->half_width(index), index);
   const std::size_t ahead = std::min(half_width, frames_ahead);
   const bool sees_whole_window = latency_ >= window_->largest_half_width();
   return sees_whole_window ? Reach{ahead, ahead} : Reach{half_width, ahead};
 }
 
-Eigen::Quaterniond HannPath::mean_around(std::size_t index, const Reach& reach) const {
+Eigen::Quaterniond HannFilter::mean_around(std::size_t index, const Reach& reach) const {
   Eigen::Vector4d sum = Eigen::Vector4d::Zero();
   for (std::size_t n = 0; n <= reach.half_width; ++n) {
     const double weight = hann_weight(n, reach.half_width);
@@ -69,7 +69,7 @@ Eigen::Quaterniond HannPath::mean_around(std::size_t index, const Reach& reach) 
   return Eigen::Quaterniond(sum.normalized());
 }
 
-const FramePose& HannPath::pose(std::size_t index) const {
+const FramePose& HannFilter::pose(std::size_t index) const {
   return poses_[index - first_held_];
 }
 

@@ -1,4 +1,4 @@
-#include "pipeline/path/hann_path.hpp"
+#include "pipeline/path/hann_filter.hpp"
 
 #include <gtest/gtest.h>
 
@@ -38,7 +38,7 @@ std::vector<FramePose> random_walk(std::size_t count, unsigned seed) {
   return poses;
 }
 
-std::vector<FramePose> smooth(CameraPath& path, const std::vector<FramePose>& poses) {
+std::vector<FramePose> smooth(PoseFilter& path, const std::vector<FramePose>& poses) {
   std::vector<FramePose> smoothed;
   const auto take = [&] {
     while (const auto pose = path.pop()) smoothed.push_back(*pose);
@@ -54,7 +54,7 @@ std::vector<FramePose> smooth(CameraPath& path, const std::vector<FramePose>& po
 
 std::vector<FramePose> smooth(int window, PathLatency latency,
                               const std::vector<FramePose>& poses) {
-  const auto path = make_hann_path(window, latency);
+  const auto path = make_hann_filter(window, latency);
   return smooth(*path, poses);
 }
 
@@ -62,7 +62,7 @@ double angle_between(const FramePose& a, const FramePose& b) {
   return a.q_world_camera.angularDistance(b.q_world_camera);
 }
 
-TEST(HannPath, IsTheWeightedMeanOfTheThesis) {
+TEST(HannFilter, IsTheWeightedMeanOfTheThesis) {
   // (2.33) and (2.34) written out, in the middle of the clip where the window is whole.
   const auto poses = random_walk(120, 1);
   constexpr int kWindow = 21;
@@ -84,7 +84,7 @@ TEST(HannPath, IsTheWeightedMeanOfTheThesis) {
   }
 }
 
-TEST(HannPath, KeepsStampsAndOrder) {
+TEST(HannFilter, KeepsStampsAndOrder) {
   const auto poses = random_walk(50, 2);
   const auto smoothed = smooth(29, 5, poses);
   ASSERT_EQ(smoothed.size(), poses.size());
@@ -94,7 +94,7 @@ TEST(HannPath, KeepsStampsAndOrder) {
   }
 }
 
-TEST(HannPath, OneFrameIsNoSmoothing) {
+TEST(HannFilter, OneFrameIsNoSmoothing) {
   const auto poses = random_walk(50, 3);
   const auto smoothed = smooth(1, {}, poses);
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -102,7 +102,7 @@ TEST(HannPath, OneFrameIsNoSmoothing) {
   }
 }
 
-TEST(HannPath, LeavesARestingCameraAlone) {
+TEST(HannFilter, LeavesARestingCameraAlone) {
   std::vector<FramePose> poses;
   for (std::size_t i = 0; i < 200; ++i) poses.push_back(pose_at(i, turn_y(1.1)));
   for (const PathLatency latency : {PathLatency{}, PathLatency{0}, PathLatency{5}}) {
@@ -112,7 +112,7 @@ TEST(HannPath, LeavesARestingCameraAlone) {
   }
 }
 
-TEST(HannPath, SignsOfTheInputDoNotMatter) {
+TEST(HannFilter, SignsOfTheInputDoNotMatter) {
   const auto poses = random_walk(200, 4);
   auto flipped = poses;
   std::mt19937 random(5);
@@ -127,7 +127,7 @@ TEST(HannPath, SignsOfTheInputDoNotMatter) {
   }
 }
 
-TEST(HannPath, AttenuatesASinusoidByTheHannWindowsResponse) {
+TEST(HannFilter, AttenuatesASinusoidByTheHannWindowsResponse) {
   // Response of 0.5 + 0.5 cos(2πn/(N-1)): three Dirichlet kernels.
   constexpr int kWindow = 29;
   constexpr double kAmplitude_rad = 1e-4;  // small: quaternion components are then linear in it
@@ -155,7 +155,7 @@ TEST(HannPath, AttenuatesASinusoidByTheHannWindowsResponse) {
   }
 }
 
-TEST(HannPath, FollowsASteadyTurnWithoutLag) {
+TEST(HannFilter, FollowsASteadyTurnWithoutLag) {
   std::vector<FramePose> poses;
   for (std::size_t i = 0; i < 300; ++i) {
     poses.push_back(pose_at(i, turn_y(0.02 * static_cast<double>(i))));
@@ -166,7 +166,7 @@ TEST(HannPath, FollowsASteadyTurnWithoutLag) {
   }
 }
 
-TEST(HannPath, LagsByTheMeanOfTheTruncatedWindowWhenLatencyIsShort) {
+TEST(HannFilter, LagsByTheMeanOfTheTruncatedWindowWhenLatencyIsShort) {
   constexpr double kStep_rad = 1e-4;
   std::vector<FramePose> poses;
   for (std::size_t i = 0; i < 300; ++i) {
@@ -182,10 +182,10 @@ TEST(HannPath, LagsByTheMeanOfTheTruncatedWindowWhenLatencyIsShort) {
   EXPECT_NEAR(lag_rad, kStep_rad * moment / sum, 0.01 * kStep_rad);
 }
 
-TEST(HannPath, PoseComesOutExactlyAfterItsLatency) {
+TEST(HannFilter, PoseComesOutExactlyAfterItsLatency) {
   const auto poses = random_walk(100, 6);
   for (std::size_t latency : {0U, 1U, 5U, 60U}) {
-    const auto path = make_hann_path(99, latency);
+    const auto path = make_hann_filter(99, latency);
     for (std::size_t i = 0; i < poses.size(); ++i) {
       path->push(poses[i]);
       const auto out = path->pop();
@@ -201,7 +201,7 @@ TEST(HannPath, PoseComesOutExactlyAfterItsLatency) {
   }
 }
 
-TEST(HannPath, UsesNoPoseLaterThanItsLatency) {
+TEST(HannFilter, UsesNoPoseLaterThanItsLatency) {
   constexpr std::size_t kChange = 60;
   constexpr std::size_t kLatency = 7;
   const auto poses = random_walk(100, 7);
@@ -211,7 +211,7 @@ TEST(HannPath, UsesNoPoseLaterThanItsLatency) {
 
   // Popped late on purpose: what went in meanwhile must not matter.
   const auto all_at_once = [&](const std::vector<FramePose>& input) {
-    const auto path = make_adaptive_hann_path({}, kLatency);
+    const auto path = make_adaptive_hann_filter({}, kLatency);
     for (const auto& pose : input) path->push(pose);
     std::vector<FramePose> smoothed;
     while (const auto pose = path->pop()) smoothed.push_back(*pose);
@@ -225,7 +225,7 @@ TEST(HannPath, UsesNoPoseLaterThanItsLatency) {
   EXPECT_NE(a[kChange].q_world_camera.coeffs(), b[kChange].q_world_camera.coeffs());
 }
 
-TEST(HannPath, HoldsNoMorePosesThanWindowAndLatency) {
+TEST(HannFilter, HoldsNoMorePosesThanWindowAndLatency) {
   class FixedWindow final : public WindowSize {
    public:
     void push(const FramePose&) override {}
@@ -233,7 +233,7 @@ TEST(HannPath, HoldsNoMorePosesThanWindowAndLatency) {
     [[nodiscard]] std::size_t largest_half_width() const override { return 49; }
   };
   for (const PathLatency latency : {PathLatency{}, PathLatency{0}, PathLatency{5}}) {
-    HannPath path(std::make_unique<FixedWindow>(), latency);
+    HannFilter path(std::make_unique<FixedWindow>(), latency);
     for (std::size_t i = 0; i < 5000; ++i) {
       path.push(pose_at(i, turn_y(0)));
       while (path.pop()) {
@@ -243,7 +243,7 @@ TEST(HannPath, HoldsNoMorePosesThanWindowAndLatency) {
   }
 }
 
-TEST(HannPath, TakesClipsShorterThanItsWindow) {
+TEST(HannFilter, TakesClipsShorterThanItsWindow) {
   for (std::size_t count : {0U, 1U, 2U, 3U, 50U}) {
     for (const PathLatency latency : {PathLatency{}, PathLatency{0}, PathLatency{500}}) {
       EXPECT_EQ(smooth(99, latency, random_walk(count, 9)).size(), count);
@@ -251,7 +251,7 @@ TEST(HannPath, TakesClipsShorterThanItsWindow) {
   }
 }
 
-TEST(HannPath, AFullTurnInsideTheWindowStillGivesAUnitQuaternion) {
+TEST(HannFilter, AFullTurnInsideTheWindowStillGivesAUnitQuaternion) {
   std::vector<FramePose> poses;  // half a turn a frame: neighbours cancel out
   for (std::size_t i = 0; i < 200; ++i) {
     poses.push_back(pose_at(i, turn_y(pi * static_cast<double>(i))));
@@ -261,7 +261,7 @@ TEST(HannPath, AFullTurnInsideTheWindowStillGivesAUnitQuaternion) {
   }
 }
 
-TEST(HannPath, AmountSetsTheWindow) {
+TEST(HannFilter, AmountSetsTheWindow) {
   EXPECT_EQ(window_for_amount(0), 1);
   EXPECT_EQ(window_for_amount(1), 99);
   EXPECT_EQ(window_for_amount(1, 60), 197);

@@ -4,6 +4,7 @@
 #include <deque>
 #include <memory>
 
+#include "pipeline/path/pose_filter.hpp"
 #include "pipeline/path/window_size.hpp"
 
 namespace gimbal {
@@ -20,9 +21,9 @@ namespace gimbal {
 /// Where the latency is shorter than half of the window, lopsided it must be: the past keeps its
 /// length, for smoothness, the future is cut off at the latency, and the remaining weights are
 /// normalised. The view then lags behind a camera that turns.
-class HannPath final : public CameraPath {
+class HannFilter final : public PoseFilter {
  public:
-  HannPath(std::unique_ptr<WindowSize> window, PathLatency latency);
+  HannFilter(std::unique_ptr<WindowSize> window, PathLatency latency);
 
   void push(const FramePose& pose) override;
   void finish() override;

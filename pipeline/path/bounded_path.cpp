@@ -1,0 +1,289 @@
+#include "pipeline/path/bounded_path.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "pipeline/path/turn.hpp"
+#include "pipeline/path/view_fit.hpp"
+
+namespace gimbal {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+constexpr double kUsualInterval_s = 1 / 30.0;
+
+/// No view depends on frames further ahead than that, whatever the latency.
+constexpr double kLongestHorizon_s = 2;
+
+// Turns are measured as rotation vectors from the next view's camera, which are no good near half a
+// turn: what lies beyond an about-turn is not looked at yet.
+constexpr double kFarthestTurn_rad = 2;
+
+// Of the smoothing time T: a path that knows little of the future must be ready to give way.
+constexpr double kLeastSmoothing_s = 0.17;
+constexpr double kSmoothingPerHorizon = 0.5;
+constexpr double kMostSmoothing_s = 0.5;
+
+// How far ahead frames are guessed where they are not known.
+constexpr double kLongestGuess_s = 0.67;
+constexpr double kGuessOfNothing_s = 0.75;
+constexpr double kLessGuessPerHorizon = 0.45;
+constexpr double kGuessConfidence = 0.3;
+constexpr double kConfidenceFades_s = 0.25;
+
+/// From half of the room on a view is pulled back gently, just before the frame's edge for good.
+constexpr PathWall kSoftWall = {0.5, 30};
+constexpr PathWall kHardWall = {0.95, 1e7};
+
+// The stretch around a frame whose turns its view keeps to, and by how much it may exceed them.
+constexpr double kRange_s = 0.4;
+constexpr double kOvershoot_rad = 0.6 * std::numbers::pi / 180;
+constexpr double kOvershootWeight = 1e5;
+
+// A camera that stays within this share of its room for as long is meant to stand: its view then
+// hardly follows.
+constexpr double kStandingShare = 0.6;
+constexpr double kLeastPull = 0.02;
+
+/// A zoom is chosen so that the path without walls would use this much of the room: walls take off
+/// what is beyond so gently that a larger zoom would not pay.
+constexpr double kWantedUse = 1.3;
+
+/// A room that the zoom does not give is measured against this one.
+constexpr double kLeastNominalRoom = 0.005;
+
+/// The turn over this stretch tells the camera's pace; that over less of it says more of its shake,
+/// and counts for less.
+constexpr double kPaceStretch_s = 0.5;
+
+/// Weighs new intervals between frames against those before.
+constexpr double kIntervalShare = 0.05;
+
+double time_of(const FramePose& pose) {
+  return seconds_since_epoch(pose.stamp.time);
+}
+
+PathPoint point_of(const FramePose& pose, const FramePose& origin) {
+  return {to_seconds(pose.stamp.time - origin.stamp.time),
+          world_turn(origin.q_world_camera, pose.q_world_camera)};
+}
+
+/// The zoom at which a turn `d` away from the real camera, in its axes, uses as much of the room as
+/// is wanted.
+double wanted_zoom(const ViewRoom& room, const Vector3d& d) {
+  const ViewRoom::Limits left = room.side - room.shift_per_rad * d / kWantedUse;
+  double zoom = 1;
+  for (Eigen::Index i = 0; i < left.size(); ++i) {
+    zoom = left[i] > 0 ? std::max(zoom, room.corner[i] / left[i])
+                       : std::numeric_limits<double>::infinity();
+    if (!std::isfinite(zoom)) break;
+  }
+  return zoom;
+}
+
+}  // namespace
+
+BoundedPath::BoundedPath(double amount, ZoomChoice zoom, PathLatency latency)
+    : amount_(std::clamp(amount, 0.0, 1.0)), zoom_(zoom), latency_(latency) {}
+
+void BoundedPath::push(PathFrame frame) {
+  if (!held_.empty() || !behind_.empty()) {
+    const FramePose& before = held_.empty() ? behind_.back() : held_.back().real;
+    const double interval_s = to_seconds(frame.real.stamp.time - before.stamp.time);
+    prediction_.push(world_turn(before.q_world_camera, frame.real.q_world_camera) / interval_s,
+                     interval_s);
+    const double share = interval_s_ > 0 ? kIntervalShare : 1;
+    interval_s_ += share * (interval_s - interval_s_);
+  }
+  held_.push_back(std::move(frame));
+  // At once, not in `pop`: what is pushed later must not matter.
+  while (is_enough_held()) release_next();
+}
+
+bool BoundedPath::is_enough_held() const {
+  if (held_.empty()) return false;
+  if (latency_) return held_.size() > *latency_;
+  return time_of(held_.back().real) - time_of(held_.front().real) >= kLongestHorizon_s;
+}
+
+void BoundedPath::finish() {
+  while (!held_.empty()) release_next();
+}
+
+std::optional<SteadyView> BoundedPath::pop() {
+  if (ready_.empty()) return std::nullopt;
+  SteadyView view = ready_.front();
+  ready_.pop_front();
+  return view;
+}
+
+/// Not what is held at the moment, which grows less at the end.
+double BoundedPath::horizon_s() const {
+  if (!latency_) return kLongestHorizon_s;
+  return std::min(kLongestHorizon_s, static_cast<double>(*latency_) * interval_s_);
+}
+
+void BoundedPath::release_next() {
+  if (!bounded_) start_tracks();
+  Outlook outlook = look_ahead();
+  mark_ranges(outlook);
+  guess_further(outlook);
+  const std::vector<double> zooms = plan_zooms(outlook);
+  furnish(outlook, zooms);
+
+  PathCost cost;
+  cost.smoothing_s = amount_ * std::clamp(kLeastSmoothing_s + kSmoothingPerHorizon * horizon_s(),
+                                          kLeastSmoothing_s, kMostSmoothing_s);
+  cost.walls = {kSoftWall, kHardWall};
+  cost.overshoot_weight = kOvershootWeight;
+  follow(cost, outlook, *bounded_);
+
+  const PathFrame& frame = held_.front();
+  FramePose& view = bounded_->last.back();
+  const Quaterniond& real = frame.real.q_world_camera;
+  const double share = fitting_share(frame.required_zoom, real, view.q_world_camera, zooms[0]);
+  if (share > 0) view.q_world_camera = real.slerp(share, view.q_world_camera);
+  ready_.push_back({view, zooms[0]});
+
+  behind_.push_back(frame.real);
+  held_.pop_front();
+  while (time_of(behind_.back()) - time_of(behind_.front()) > kRange_s) behind_.pop_front();
+}
+
+/// As if the view had come along with the camera, as far as it is known where that goes.
+void BoundedPath::start_tracks() {
+  const FramePose& first = held_.front().real;
+  Vector3d rate_rad_s = Vector3d::Zero();
+  for (const PathFrame& frame : held_) {
+    const PathPoint ahead = point_of(frame.real, first);
+    if (ahead.time_s > kPaceStretch_s) break;
+    rate_rad_s = ahead.turn_rad / kPaceStretch_s;
+  }
+  Track track;
+  const double interval_s = interval_s_ > 0 ? interval_s_ : kUsualInterval_s;
+  for (std::size_t i = 0; i < track.last.size(); ++i) {
+    const double before_s = static_cast<double>(track.last.size() - i) * interval_s;
+    track.last[i] = {first.stamp, turned(first.q_world_camera, -before_s * rate_rad_s)};
+    track.last[i].stamp.time -= duration_from_seconds(before_s);
+  }
+  bounded_ = track;
+  unbounded_ = track;
+}
+
+BoundedPath::Outlook BoundedPath::look_ahead() const {
+  Outlook outlook;
+  const FramePose& origin = held_.front().real;
+  for (const PathFrame& frame : held_) {
+    PathTarget target;
+    target.real = point_of(frame.real, origin);
+    if (target.real.time_s > kLongestHorizon_s) break;
+    if (target.real.turn_rad.norm() > kFarthestTurn_rad) break;
+    outlook.targets.push_back(target);
+  }
+  outlook.known = outlook.targets.size();
+  return outlook;
+}
+
+/// Where the camera comes to around each frame, and how much it means to stand there.
+void BoundedPath::mark_ranges(Outlook& outlook) const {
+  std::vector<PathPoint> points;
+  for (const FramePose& pose : behind_) points.push_back(point_of(pose, held_.front().real));
+  for (const PathTarget& target : outlook.targets) points.push_back(target.real);
+  auto first = points.begin();
+  for (std::size_t i = 0; i < outlook.known; ++i) {
+    PathTarget& target = outlook.targets[i];
+    while (first->time_s < target.real.time_s - kRange_s) ++first;
+    Vector3d least = target.real.turn_rad;
+    Vector3d most = least;
+    for (auto p = first; p != points.end() && p->time_s <= target.real.time_s + kRange_s; ++p) {
+      least = least.cwiseMin(p->turn_rad);
+      most = most.cwiseMax(p->turn_rad);
+    }
+    target.least_rad = least.array() - kOvershoot_rad;
+    target.most_rad = most.array() + kOvershoot_rad;
+  }
+}
+
+void BoundedPath::guess_further(Outlook& outlook) const {
+  if (outlook.known < held_.size()) return;  // beyond an about-turn
+  const double interval_s = interval_s_ > 0 ? interval_s_ : kUsualInterval_s;
+  const double guess_s =
+      std::clamp(kGuessOfNothing_s - kLessGuessPerHorizon * horizon_s(), 0.0, kLongestGuess_s);
+  const auto count = static_cast<std::size_t>(std::lround(guess_s / interval_s));
+  const double known_until_s = outlook.targets.back().real.time_s;
+  for (const Vector3d& rate_rad_s : prediction_.next(count)) {
+    PathTarget target = outlook.targets.back();
+    target.real.time_s += interval_s;
+    target.real.turn_rad += interval_s * rate_rad_s;
+    target.least_rad = target.least_rad.cwiseMin(target.real.turn_rad);
+    target.most_rad = target.most_rad.cwiseMax(target.real.turn_rad);
+    target.confidence =
+        kGuessConfidence * std::exp((known_until_s - target.real.time_s) / kConfidenceFades_s);
+    outlook.targets.push_back(target);
+  }
+}
+
+std::vector<double> BoundedPath::plan_zooms(const Outlook& outlook) {
+  std::vector<ZoomNeed> needs;
+  for (std::size_t i = 0; i < outlook.known; ++i) {
+    needs.push_back({seconds_since_epoch(held_[i].real.stamp.time), 1});
+  }
+  if (zoom_.is_fixed()) return zoom_.plan(needs);
+  PathCost cost;
+  cost.smoothing_s = amount_ * kMostSmoothing_s;
+  Outlook unfurnished = outlook;
+  follow(cost, unfurnished, *unbounded_);
+  for (std::size_t i = 0; i < outlook.known; ++i) {
+    const Quaterniond& real = held_[i].real.q_world_camera;
+    const Quaterniond& view = unbounded_->planned[i];
+    needs[i].zoom = wanted_zoom(held_[i].room, real.conjugate() * world_turn(real, view));
+  }
+  return zoom_.plan(needs);
+}
+
+/// Puts up the walls that each frame has at its zoom. Guessed frames have those of the last known
+/// one.
+void BoundedPath::furnish(Outlook& outlook, const std::vector<double>& zooms) const {
+  for (std::size_t i = 0; i < outlook.targets.size(); ++i) {
+    PathTarget& target = outlook.targets[i];
+    const std::size_t known = std::min(i, outlook.known - 1);
+    const PathFrame& frame = held_[known];
+    const double nominal = std::max(1 - 1 / zooms[known], kLeastNominalRoom);
+    if (i < outlook.known) target.use = 1 - frame.room.at_zoom(zooms[known]).array() / nominal;
+    target.use_per_rad = frame.room.shift_per_rad / nominal *
+                         frame.real.q_world_camera.conjugate().toRotationMatrix();
+    const double use_per_rad = target.use_per_rad.norm() / std::sqrt(ViewRoom::kLimits);
+    const double moved = (target.most_rad - target.least_rad).maxCoeff() - 2 * kOvershoot_rad;
+    const double share = moved * use_per_rad / kStandingShare;
+    target.pull = std::clamp(share * share * share * share, kLeastPull, 1.0);
+  }
+}
+
+/// Plans a track anew and goes one frame along.
+void BoundedPath::follow(const PathCost& cost, const Outlook& outlook, Track& track) {
+  const FramePose& origin = held_.front().real;
+  std::array<PathPoint, 3> past;
+  for (std::size_t i = 0; i < past.size(); ++i) past[i] = point_of(track.last[i], origin);
+  std::vector<Vector3d> views;
+  for (std::size_t i = 0; i < outlook.targets.size(); ++i) {
+    if (i + 1 < track.planned.size()) {
+      views.push_back(world_turn(origin.q_world_camera, track.planned[i + 1]));
+    } else if (i >= 2) {
+      views.emplace_back(2 * views[i - 1] - views[i - 2]);
+    } else {
+      views.push_back(outlook.targets[i].real.turn_rad);
+    }
+  }
+  optimum_.find(cost, past, outlook.targets, views);
+  track.planned.clear();
+  for (const Vector3d& view : views) track.planned.push_back(turned(origin.q_world_camera, view));
+  std::rotate(track.last.begin(), track.last.begin() + 1, track.last.end());
+  track.last.back() = {origin.stamp, track.planned.front()};
+}
+
+}  // namespace gimbal

@@ -1,0 +1,177 @@
+#include "pipeline/path/path_optimum.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gimbal {
+namespace {
+
+using Eigen::Vector3d;
+using Limits = ViewRoom::Limits;
+
+constexpr int kMostSteps = 8;
+constexpr int kMostHalvings = 14;
+
+/// A fortieth of a pixel at 1200 pixels a radian.
+constexpr double kSmallStep_rad = 2e-5;
+
+/// Weights of the points at times t, newest first, in the path's derivatives at the newest one.
+struct Derivatives {
+  std::array<double, 4> first{};
+  std::array<double, 4> second{};
+  std::array<double, 4> third{};
+};
+
+/// By divided differences: intervals need not be alike.
+Derivatives derivatives(const std::array<double, 4>& t) {
+  const auto weight = [&](std::size_t i, std::size_t points) {
+    double product = 1;
+    for (std::size_t j = 0; j < points; ++j) {
+      if (j != i) product *= t[i] - t[j];
+    }
+    return 1 / product;
+  };
+  Derivatives d;
+  for (std::size_t i = 0; i < 2; ++i) d.first[i] = weight(i, 2);
+  for (std::size_t i = 0; i < 3; ++i) d.second[i] = 2 * weight(i, 3);
+  for (std::size_t i = 0; i < 4; ++i) d.third[i] = 6 * weight(i, 4);
+  return d;
+}
+
+Limits use_of(const PathTarget& target, const Vector3d& view_rad) {
+  return target.use + target.use_per_rad * (view_rad - target.real.turn_rad);
+}
+
+Limits beyond(const PathWall& wall, const Limits& use) {
+  return (use.array() - wall.at).cwiseMax(0);
+}
+
+Vector3d overshoot(const PathTarget& target, const Vector3d& view_rad) {
+  return (view_rad - target.most_rad).cwiseMax(0) - (target.least_rad - view_rad).cwiseMax(0);
+}
+
+std::size_t reach_back(std::size_t i) {
+  return std::min(i, BlockBand::kReach);
+}
+
+double largest(const std::vector<Vector3d>& vectors) {
+  double most = 0;
+  for (const Vector3d& v : vectors) most = std::max(most, v.lpNorm<Eigen::Infinity>());
+  return most;
+}
+
+}  // namespace
+
+void PathOptimum::weigh_smoothness(double smoothing_s, std::span<const PathPoint, 3> past,
+                                   std::span<const PathTarget> targets) {
+  const double T2 = smoothing_s * smoothing_s;
+  smoothness_.assign(targets.size(), {});
+  from_past_.assign(targets.size(), Vector3d::Zero());
+  interval_s_.resize(targets.size());
+  const auto time = [&](std::size_t i) {
+    return i < past.size() ? past[i].time_s : targets[i - past.size()].real.time_s;
+  };
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    const Derivatives d = derivatives({time(i + 3), time(i + 2), time(i + 1), time(i)});
+    interval_s_[i] = time(i + 3) - time(i + 2);
+    for (std::size_t a = 0; a <= reach_back(i); ++a) {
+      for (std::size_t b = a; b <= BlockBand::kReach; ++b) {
+        const double weight = interval_s_[i] * T2 *
+                              (3 * d.first[a] * d.first[b] +
+                               T2 * (3 * d.second[a] * d.second[b] + T2 * d.third[a] * d.third[b]));
+        if (b <= i) {
+          smoothness_[i - a][b - a] += weight;
+        } else {
+          from_past_[i - a] += weight * past[i + past.size() - b].turn_rad;
+        }
+      }
+    }
+  }
+}
+
+double PathOptimum::cost_of(const PathCost& cost, std::span<const PathTarget> targets,
+                            const std::vector<Vector3d>& views_rad) const {
+  double sum = 0;
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    const PathTarget& target = targets[i];
+    const Vector3d& view = views_rad[i];
+    Vector3d pulled = smoothness_[i][0] * view + 2 * from_past_[i];
+    for (std::size_t back = 1; back <= reach_back(i); ++back) {
+      pulled += 2 * smoothness_[i][back] * views_rad[i - back];
+    }
+    const Limits use = use_of(target, view);
+    double walls = 0;
+    for (const PathWall& wall : cost.walls) walls += wall.weight * beyond(wall, use).squaredNorm();
+    sum += pulled.dot(view) +
+           interval_s_[i] * (target.pull * (view - target.real.turn_rad).squaredNorm() +
+                             target.confidence * rad2_per_use2_ * walls +
+                             cost.overshoot_weight * overshoot(target, view).squaredNorm());
+  }
+  return sum;
+}
+
+void PathOptimum::pull_smooth(std::size_t i, const std::vector<Vector3d>& views_rad) {
+  for (std::size_t back = 0; back <= reach_back(i); ++back) {
+    const double weight = smoothness_[i][back];
+    hessian_.block(i, back).diagonal().array() += weight;
+    step_rad_[i] -= weight * views_rad[i - back];
+    if (back > 0) step_rad_[i - back] -= weight * views_rad[i];
+  }
+  step_rad_[i] -= from_past_[i];
+}
+
+void PathOptimum::find_step(const PathCost& cost, std::span<const PathTarget> targets,
+                            const std::vector<Vector3d>& views_rad) {
+  hessian_.reset(targets.size());
+  step_rad_.assign(targets.size(), Vector3d::Zero());
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    const PathTarget& target = targets[i];
+    pull_smooth(i, views_rad);
+
+    const Limits use = use_of(target, views_rad[i]);
+    Limits force = Limits::Zero();
+    Limits stiffness = Limits::Zero();
+    for (const PathWall& wall : cost.walls) {
+      const double weight = interval_s_[i] * target.confidence * rad2_per_use2_ * wall.weight;
+      force += weight * beyond(wall, use);
+      stiffness.array() += weight * (use.array() > wall.at).cast<double>();
+    }
+    const Vector3d over = overshoot(target, views_rad[i]);
+    const double pull = interval_s_[i] * target.pull;
+    const double push_back = interval_s_[i] * cost.overshoot_weight;
+    step_rad_[i] -= pull * (views_rad[i] - target.real.turn_rad) + push_back * over +
+                    target.use_per_rad.transpose() * force;
+    hessian_.block(i, 0).diagonal().array() +=
+        pull + push_back * (over.array() != 0).cast<double>();
+    hessian_.block(i, 0).noalias() +=
+        target.use_per_rad.transpose() * stiffness.asDiagonal() * target.use_per_rad;
+  }
+  hessian_.factorize();
+  hessian_.solve_in_place(step_rad_);
+}
+
+void PathOptimum::find(const PathCost& cost, std::span<const PathPoint, 3> past,
+                       std::span<const PathTarget> targets, std::vector<Vector3d>& views_rad) {
+  weigh_smoothness(cost.smoothing_s, past, targets);
+  const double use2_per_rad2 = targets[0].use_per_rad.squaredNorm() / ViewRoom::kLimits;
+  rad2_per_use2_ = use2_per_rad2 > 0 ? 1 / use2_per_rad2 : 0;
+  double least_cost = cost_of(cost, targets, views_rad);
+  for (int steps = 0; steps < kMostSteps; ++steps) {
+    find_step(cost, targets, views_rad);
+    double part = 1;
+    for (int halvings = 0;; ++halvings, part /= 2) {
+      tried_rad_ = views_rad;
+      for (std::size_t i = 0; i < tried_rad_.size(); ++i) tried_rad_[i] += part * step_rad_[i];
+      const double tried_cost = cost_of(cost, targets, tried_rad_);
+      if (tried_cost <= least_cost) {
+        least_cost = tried_cost;
+        break;
+      }
+      if (halvings == kMostHalvings) return;  // as good as numbers get
+    }
+    views_rad.swap(tried_rad_);
+    if (part * largest(step_rad_) < kSmallStep_rad) return;
+  }
+}
+
+}  // namespace gimbal

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cstddef>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "pipeline/path/block_band.hpp"
+#include "pipeline/sample/view_room.hpp"
+
+namespace gimbal {
+
+/// Where a camera looks at a time: a rotation vector about world axes, from a direction that all
+/// points of a path share.
+struct PathPoint {
+  double time_s = 0;
+  Eigen::Vector3d turn_rad = Eigen::Vector3d::Zero();
+};
+
+/// What a frame asks of its view.
+struct PathTarget {
+  PathPoint real;  ///< the camera itself
+  /// How much of the room the real camera's own view uses, and what a turn away from it adds. At 0
+  /// is the middle of the room, at 1 the frame's edge.
+  ViewRoom::Limits use = ViewRoom::Limits::Zero();
+  Eigen::Matrix<double, ViewRoom::kLimits, 3> use_per_rad =
+      Eigen::Matrix<double, ViewRoom::kLimits, 3>::Zero();
+  /// Turns that the camera comes to around that time: a view beyond them would overshoot.
+  Eigen::Vector3d least_rad = Eigen::Vector3d::Constant(-std::numeric_limits<double>::infinity());
+  Eigen::Vector3d most_rad = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+  double pull = 1;        ///< of the real camera on its view
+  double confidence = 1;  ///< of the room: less where the frame is only guessed
+};
+
+/// Costs what is used of the room beyond `at`, quadratically.
+struct PathWall {
+  double at = 0;
+  double weight = 0;
+};
+
+struct PathCost {
+  double smoothing_s = 0.5;  ///< T
+  std::array<PathWall, 2> walls;
+  double overshoot_weight = 0;
+};
+
+/// The smoothest path through the room that frames leave to their views:
+///
+///   min  integral of T^6 |y'''|^2 + 3 T^4 |y''|^2 + 3 T^2 |y'|^2 + pull |y - real|^2 + penalties
+///
+/// Without penalties that is the low-pass 1 / (1 + (T omega)^2)^3, which neither rings nor lags.
+/// The penalties are one-sided quadratics, so the problem is convex: Newton's method with a line
+/// search, a step of which costs time in proportion to the number of frames.
+class PathOptimum {
+ public:
+  /// Improves `views_rad`, one for each of `targets`, until they are the optimum or time is up.
+  /// `past` are the three views before, which stay as they are. All times rise strictly.
+  void find(const PathCost& cost, std::span<const PathPoint, 3> past,
+            std::span<const PathTarget> targets, std::vector<Eigen::Vector3d>& views_rad);
+
+ private:
+  void weigh_smoothness(double smoothing_s, std::span<const PathPoint, 3> past,
+                        std::span<const PathTarget> targets);
+  [[nodiscard]] double cost_of(const PathCost& cost, std::span<const PathTarget> targets,
+                               const std::vector<Eigen::Vector3d>& views_rad) const;
+  void find_step(const PathCost& cost, std::span<const PathTarget> targets,
+                 const std::vector<Eigen::Vector3d>& views_rad);
+  void pull_smooth(std::size_t i, const std::vector<Eigen::Vector3d>& views_rad);
+
+  // Of the smoothness' quadratic form, which treats all axes alike: the lower band of its matrix,
+  // and what the views of the past add to its gradient.
+  std::vector<std::array<double, BlockBand::kReach + 1>> smoothness_;
+  std::vector<Eigen::Vector3d> from_past_;
+  std::vector<double> interval_s_;
+  double rad2_per_use2_ = 0;
+
+  BlockBand hessian_;
+  std::vector<Eigen::Vector3d> step_rad_;
+  std::vector<Eigen::Vector3d> tried_rad_;
+};
+
+}  // namespace gimbal
