@@ -20,6 +20,7 @@
 #include "pipeline/timing/imu_aligner.hpp"
 #include "tests/golden/ipod_in_hand.hpp"
 #include "tests/support/truth_error.hpp"
+#include "tests/support/truth_estimator.hpp"
 
 namespace gimbal {
 namespace {
@@ -42,21 +43,6 @@ SyntheticImuSettings phone_sensors(double duration_s) {
   settings.seed = 1;
   return settings;
 }
-
-/// Knows the orientation.
-class TruthEstimator final : public Estimator {
- public:
-  TruthEstimator(const Motion& motion, const ImuCalibration& imu)
-      : motion_(motion), q_camera_imu_(imu.R_camera_imu) {}
-
-  Attitude update(const ImuSample& sample) override {
-    return {sample.time, motion_.at(sample.time).q_world_camera * q_camera_imu_};
-  }
-
- private:
-  const Motion& motion_;
-  Eigen::Quaterniond q_camera_imu_;
-};
 
 struct Part {
   std::string name;
@@ -160,8 +146,9 @@ TEST_P(Rectification, TrueOrientationDrawsTheTruth) {
   for (double t = -0.01; t < GetParam().duration_s; t += 0.001) {
     instants.push_back({time_from_seconds(t), Eigen::Vector3d::Zero(), std::nullopt});
   }
-  const Errors errors = run(
-      make_causal_stream(std::make_unique<TruthEstimator>(motion_, test::phone_axes())), instants);
+  const Errors errors =
+      run(make_causal_stream(std::make_unique<test::TruthEstimator>(motion_, test::phone_axes())),
+          instants);
   fmt::print(
       "{}: before mean {:.3f} max {:.2f} px; after, true orientation: mean {:.4f} max {:.4f} "
       "px\n",
