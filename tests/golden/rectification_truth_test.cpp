@@ -92,8 +92,8 @@ class Rectification : public ::testing::TestWithParam<Part> {
 
 Errors Rectification::run(std::unique_ptr<AttitudeStream> attitudes,
                           const std::vector<ImuSample>& samples) const {
-  // The harshest frame is bent by 65 px.
-  constexpr ZoomChoice kZoom = {1.2, 1.2};
+  // The harshest frame is bent by 65 px; what does not fit would be rectified in part.
+  constexpr ZoomChoice kZoom = {1.3, 1.3};
   auto stabilizer = Stabilizer::create(camera_, test::phone_axes(), std::move(attitudes),
                                        make_adaptive_hann_path({}, kZoom, std::nullopt), {});
   if (!stabilizer) throw std::runtime_error(stabilizer.error().message);
