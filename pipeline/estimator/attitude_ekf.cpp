@@ -260,7 +260,7 @@ void AttitudeEkf::realign(SensorTime time) {
   mean.velocity_m_s.setZero();
   state_.velocity_mean_m_s.setZero();
   ErrorCovariance& P = state_.filter.covariance();
-  const double sigma_rad = parameters_.alignment.aligned_sigma_rad;
+  const double sigma_rad = parameters_.tilt_watch.realigned_sigma_rad;
   const double velocity_sigma_m_s =
       sigma_rad * kGravity_m_s2 * parameters_.tilt_watch.recent_s / std::numbers::sqrt2;
   const double heading_variance = P(Index::attitude + 2, Index::attitude + 2);

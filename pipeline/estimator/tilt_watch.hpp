@@ -12,6 +12,7 @@ struct TiltWatchParameters {
   /// brakes 20; where the tilt is wrong by 30 degrees, seven seconds seem to gain this.
   double largest_velocity_m_s = 25;
   double recent_s = 1;  ///< as long as the mean that shows the true tilt: it went wrong lately
+  double realigned_sigma_rad = 0.2;  ///< a mean that short holds what the hand does meanwhile
 };
 
 /// Notices a tilt that is far from the truth, whatever the filter thinks of it: by the forces of
