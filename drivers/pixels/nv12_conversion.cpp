@@ -109,17 +109,19 @@ void copy_nv12(const std::array<ConstPlane, 2>& source, Nv12Buffer& picture) {
   copy_rows(source[1], picture.chroma(), 2 * chroma.width, chroma.height);
 }
 
+void interleave_chroma(ConstPlane u, ConstPlane v, ImageSize size, MutablePlane out) {
+  for (int y = 0; y < size.height; ++y) {
+    interleave_row(row_of(u, y), row_of(v, y), size.width, row_of(out, y));
+  }
+}
+
 void convert_planar(const std::array<ConstPlane, 3>& source, ChromaShare share,
                     Nv12Buffer& picture) {
   const ImageSize size = picture.size();
   const ImageSize chroma = chroma_size(size);
   copy_rows(source[0], picture.luma(), size.width, size.height);
   if (share.across == 1 && share.down == 1) {
-    for (int y = 0; y < chroma.height; ++y) {
-      interleave_row(row_of(source[1], y), row_of(source[2], y), chroma.width,
-                     row_of(picture.chroma(), y));
-    }
-    return;
+    return interleave_chroma(source[1], source[2], chroma, picture.chroma());
   }
   const ImageSize source_size = {share.across == 1 ? chroma.width : size.width,
                                  share.down == 1 ? chroma.height : size.height};

@@ -12,6 +12,9 @@ namespace gimbal {
 
 void copy_nv12(const std::array<ConstPlane, 2>& source, Nv12Buffer& picture);
 
+/// The chroma planes of 4:2:0, of this size, as the one of NV12.
+void interleave_chroma(ConstPlane u, ConstPlane v, ImageSize size, MutablePlane out);
+
 /// How many chroma samples of a planar picture fall to one of NV12, across and down: 1 and 1 for
 /// 4:2:0, 1 and 2 for 4:2:2, 2 and 1 for 4:4:0, 2 and 2 for 4:4:4.
 struct ChromaShare {

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "drivers/replay/chroma_weaver.hpp"
 #include "drivers/replay/video_decoder.hpp"
 #include "drivers/replay/video_probe.hpp"
 #include "pipeline/gstreamer/gst_frames.hpp"
@@ -66,6 +67,7 @@ Result<void> ReplayCamera::start() {
   coded_times_ = usable_times(std::move(coded->frame_times));
   decoder_ = *std::move(decoder);
   gauge_ = std::make_shared<SurplusGauge>();
+  weaver_ = std::make_unique<ChromaWeaver>();
   begin();
   return {};
 }
@@ -100,7 +102,7 @@ Result<std::optional<VideoFrame>> ReplayCamera::read() {
     if (*picture == nullptr) {
       end_of_video();
     } else if (is_wanted(media_time_of(picture->get()))) {
-      return deliver(map_frame(picture->get(), stamps_[next_], gauge_));
+      return deliver(map_picture(picture->get(), gauge_));
     }
   }
   return std::nullopt;
@@ -137,16 +139,23 @@ std::int64_t ReplayCamera::place_of(std::optional<SensorDuration> media_time) co
   return nearest(coded_times_, *media_time);
 }
 
-Result<std::optional<VideoFrame>> ReplayCamera::deliver(std::optional<VideoFrame> frame) {
-  if (!frame) {
+Result<std::optional<VideoFrame>> ReplayCamera::deliver(
+    const std::optional<MappedPicture>& picture) {
+  if (!picture) {
     return failed(fmt::format("{}: picture {} cannot be read", video_.string(), place_));
   }
-  if (frame->size != format_.size) {
+  if (picture->size != format_.size) {
     return bad_input(fmt::format("{}: picture {} is {}x{}, but the first was {}x{}",
-                                 video_.string(), place_, frame->size.width, frame->size.height,
+                                 video_.string(), place_, picture->size.width, picture->size.height,
                                  format_.size.width, format_.size.height));
   }
-  ++next_;
+  VideoFrame frame;
+  frame.stamp = stamps_[next_++];
+  frame.size = picture->size;
+  frame.color = picture->color;
+  frame.planes = {picture->planes[0], picture->planes[1]};
+  frame.storage = picture->storage;
+  if (picture->planes.size() == 3) weaver_->weave(picture->planes[1], picture->planes[2], frame);
   return frame;
 }
 
@@ -215,7 +224,7 @@ void ReplayCamera::warn_of_leap() {
 }
 
 std::int64_t ReplayCamera::bytes_copied() const {
-  return decoder_->bytes_copied();
+  return decoder_->bytes_copied() + weaver_->bytes_written();
 }
 
 }  // namespace gimbal

@@ -11,14 +11,16 @@
 
 namespace gimbal {
 
+class ChromaWeaver;
+struct MappedPicture;
 class SurplusGauge;
 class VideoDecoder;
 
 /// The frames of a recording. Each picture gets the stamp of the recording's frame list that has
 /// its place in the video as index, and is left out where there is none. The video file's own times
 /// only tell places: in a damaged video they leave room for pictures that cannot be decoded.
-/// Pictures are handed over in GStreamer's memory, not copied. `stop` may be called while another
-/// thread waits in `read`.
+/// Pictures are handed over in GStreamer's memory, of I420 the luma. `stop` may be called while
+/// another thread waits in `read`.
 class ReplayCamera final : public CameraSource {
  public:
   /// `stamps`: indices rise. `fps`: the nominal rate; 0 takes what the video file says.
@@ -42,7 +44,7 @@ class ReplayCamera final : public CameraSource {
   /// in that file, its audio, whose running time it is.
   [[nodiscard]] SensorDuration media_time() const { return media_time_; }
 
-  /// See VideoDecoder; after `start`.
+  /// Of all pictures so far, after the decoder has written them; after `start`.
   [[nodiscard]] std::int64_t bytes_copied() const;
 
   /// Pictures left out since the frame list has no stamp for them. Known once `read` gave nothing.
@@ -67,7 +69,8 @@ class ReplayCamera final : public CameraSource {
   void begin();
   [[nodiscard]] bool is_wanted(std::optional<SensorDuration> media_time);
   [[nodiscard]] std::int64_t place_of(std::optional<SensorDuration> media_time) const;
-  [[nodiscard]] Result<std::optional<VideoFrame>> deliver(std::optional<VideoFrame> frame);
+  [[nodiscard]] Result<std::optional<VideoFrame>> deliver(
+      const std::optional<MappedPicture>& picture);
   void end_of_video();
   void warn_of_uncertain_places();
   void warn_of_leap();
@@ -77,7 +80,8 @@ class ReplayCamera final : public CameraSource {
   double fps_;
   CameraFormat format_;
   std::unique_ptr<VideoDecoder> decoder_;
-  std::shared_ptr<SurplusGauge> gauge_;      ///< of the decoder's pictures
+  std::shared_ptr<SurplusGauge> gauge_;  ///< of the decoder's pictures
+  std::unique_ptr<ChromaWeaver> weaver_;
   std::int64_t coded_count_ = 0;             ///< pictures in the file, decodable or not
   std::vector<SensorDuration> coded_times_;  ///< of these, rising strictly; empty if not known
   std::size_t next_ = 0;                     ///< of the stamps

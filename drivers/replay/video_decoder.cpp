@@ -21,7 +21,7 @@ constexpr auto kPatienceAfterFailure = std::chrono::seconds(2);
 
 constexpr const char* kPipeline =
     "filesrc name=file ! decodebin name=decoder "
-    "videoconvert name=convert ! appsink name=pictures caps=video/x-raw,format=NV12 "
+    "videoconvert name=convert ! appsink name=pictures caps=video/x-raw,format={NV12,I420} "
     "sync=false max-buffers=2 enable-last-sample=false";
 
 std::string_view media_type(const GstCaps* caps) {

@@ -19,8 +19,9 @@ namespace gimbal {
 /// time.
 [[nodiscard]] std::optional<SensorDuration> media_time_of(GstSample* picture);
 
-/// Decodes the first video stream of a file to NV12, as fast as pictures are asked for and only a
-/// few ahead of that. Rotation tags are not followed: pictures come as the sensor was read.
+/// Decodes the first video stream of a file to NV12, or I420 where the decoder writes that, as fast
+/// as pictures are asked for and only a few ahead of that. Rotation tags are not followed: pictures
+/// come as the sensor was read.
 class VideoDecoder {
  public:
   /// Decodes up to the first picture. bad_input if there is none: not a video, too damaged, or no
@@ -46,7 +47,7 @@ class VideoDecoder {
   [[nodiscard]] bool is_interrupted() const { return is_interrupted_; }
 
   /// Of all pictures so far, from one place in memory to another after the decoder has written
-  /// them, which is what bringing them to NV12 does.
+  /// them, which is what bringing others to NV12 does.
   [[nodiscard]] std::int64_t bytes_copied() const { return conversions_.bytes(); }
 
   /// What was wrong with the file so far, a line each.

@@ -122,8 +122,7 @@ GstBufferPtr wrap_frame(const VideoFrame& frame) {
   return buffer;
 }
 
-std::optional<VideoFrame> map_frame(GstSample* sample, const FrameStamp& stamp,
-                                    std::shared_ptr<SurplusGauge> gauge) {
+std::optional<MappedPicture> map_picture(GstSample* sample, std::shared_ptr<SurplusGauge> gauge) {
   const GstCaps* caps = gst_sample_get_caps(sample);
   GstVideoInfo info;
   if (!gst_video_info_from_caps(&info, caps)) {
@@ -134,13 +133,14 @@ std::optional<VideoFrame> map_frame(GstSample* sample, const FrameStamp& stamp,
   if (!mapped->is_mapped()) {
     return std::nullopt;
   }
-  VideoFrame frame;
-  frame.stamp = stamp;
-  frame.size = {GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)};
-  frame.color = color_of(caps);
-  frame.planes = {{mapped->plane(0), mapped->plane(1)}};
-  frame.storage = std::move(mapped);
-  return frame;
+  MappedPicture picture;
+  picture.size = {GST_VIDEO_INFO_WIDTH(&info), GST_VIDEO_INFO_HEIGHT(&info)};
+  picture.color = color_of(caps);
+  for (guint i = 0; i < GST_VIDEO_INFO_N_PLANES(&info); ++i) {
+    picture.planes.push_back(mapped->plane(i));
+  }
+  picture.storage = std::move(mapped);
+  return picture;
 }
 
 }  // namespace gimbal

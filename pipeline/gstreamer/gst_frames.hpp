@@ -3,6 +3,8 @@
 #include <gst/video/video.h>
 
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include "pipeline/gstreamer/gst_runtime.hpp"
 #include "pipeline/queue/surplus_gauge.hpp"
@@ -23,10 +25,17 @@ namespace gimbal {
 /// Presentation time and duration are not set.
 [[nodiscard]] GstBufferPtr wrap_frame(const VideoFrame& frame);
 
-/// The NV12 picture of a sample with the stamp given, over the sample's own memory, which the frame
-/// keeps. `gauge`: of the pool that the memory goes back to. Nothing if the sample does not hold
-/// what its caps say.
-[[nodiscard]] std::optional<VideoFrame> map_frame(GstSample* sample, const FrameStamp& stamp,
-                                                  std::shared_ptr<SurplusGauge> gauge);
+/// A picture as it lies in a sample's own memory.
+struct MappedPicture {
+  ImageSize size;
+  ColorInfo color;
+  std::vector<ConstPlane> planes;       ///< of NV12 two, of I420 three
+  std::shared_ptr<const void> storage;  ///< keeps the memory
+};
+
+/// `gauge`: of the pool that the memory goes back to. Nothing if the sample does not hold what its
+/// caps say.
+[[nodiscard]] std::optional<MappedPicture> map_picture(GstSample* sample,
+                                                       std::shared_ptr<SurplusGauge> gauge);
 
 }  // namespace gimbal

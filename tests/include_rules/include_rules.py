@@ -27,7 +27,7 @@ STAGES_THAT_DRIVERS_MAY_USE = {"sample", "queue", "lens"}
 SHARED_BY_DRIVERS = {
     "clock": r".*",
     "i2c": r"i2c_.*",
-    "pixels": r"v4l2|libcamera",
+    "pixels": r"v4l2|libcamera|replay",
 }
 
 # Where a system header is at home: its name, and the units (see `unit_of`) that may include it.
