@@ -66,6 +66,7 @@ int main(int argc, char** argv) {
   gimbal::add_stabilize_command(app, outcome);
   gimbal::add_orient_command(app, outcome);
   gimbal::add_sync_command(app, outcome);
+  gimbal::add_calibrate_command(app, outcome);
   gimbal::add_sessions_command(app, outcome);
   gimbal::add_simulate_command(app, outcome);
   gimbal::add_devices_command(app, outcome);

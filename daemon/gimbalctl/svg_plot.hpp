@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -9,13 +11,21 @@
 
 namespace gimbal {
 
-/// One curve over linear axes.
+enum class PlotAxes : std::uint8_t { linear, logarithmic };
+
+struct PlotCurve {
+  std::string name;                               ///< empty: not told
+  std::vector<std::pair<double, double>> points;  ///< x rises; above zero over logarithmic axes
+};
+
+/// Curves over a pair of axes. Linear ones hold zero on y.
 struct Plot {
   std::string title;
   std::string x_label;
   std::string y_label;
-  std::vector<std::pair<double, double>> points;  ///< x rises
-  double marked_x = 0;                            ///< a line down the plot
+  PlotAxes axes = PlotAxes::linear;
+  std::vector<PlotCurve> curves;
+  std::optional<double> marked_x;  ///< a line down the plot
 };
 
 /// Writes an SVG that a browser shows; bad_input if the file cannot be written.

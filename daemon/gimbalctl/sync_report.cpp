@@ -136,8 +136,9 @@ Plot offset_plot(const Synchronization& found) {
   plot.title = "How badly the gyroscope explains the picture";
   plot.x_label = "time offset, ms";
   plot.y_label = "J, px²";
+  plot.curves.emplace_back();
   for (const OffsetCost& point : found.curve) {
-    plot.points.emplace_back(1e3 * point.offset_s, point.cost_px2);
+    plot.curves.back().points.emplace_back(1e3 * point.offset_s, point.cost_px2);
   }
   if (found.fit) plot.marked_x = 1e3 * found.fit->parameters.offset_s;
   return plot;

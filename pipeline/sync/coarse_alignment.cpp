@@ -64,16 +64,24 @@ AxesFit fit_axes(const std::vector<RatePair>& rates) {
 
 }  // namespace
 
+std::vector<double> offsets_of(const OffsetSearch& search) {
+  const auto steps = static_cast<int>(search.half_width_s / search.step_s);
+  std::vector<double> offsets_s;
+  for (int step = -steps; step <= steps; ++step) {
+    offsets_s.push_back(search.middle_s + step * search.step_s);
+  }
+  return offsets_s;
+}
+
 std::vector<AxesFit> axes_fits(const std::vector<VisualTurn>& turns, const GyroIntegral& gyro,
                                const OffsetSearch& search) {
   std::vector<AxesFit> fits;
-  for (double away_s = -search.half_width_s; away_s <= search.half_width_s;
-       away_s += search.step_s) {
-    std::vector<RatePair> rates = rates_at(turns, gyro, search.middle_s + away_s);
+  for (const double offset_s : offsets_of(search)) {
+    std::vector<RatePair> rates = rates_at(turns, gyro, offset_s);
     if (rates.size() * 2 < turns.size() || rates.size() < 3) continue;
     remove_means(rates);
     AxesFit fit = fit_axes(rates);
-    fit.offset_s = search.middle_s + away_s;
+    fit.offset_s = offset_s;
     fits.push_back(fit);
   }
   return fits;

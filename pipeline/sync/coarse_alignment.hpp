@@ -16,6 +16,9 @@ struct OffsetSearch {
   double step_s = 0.004;
 };
 
+/// Rising.
+[[nodiscard]] std::vector<double> offsets_of(const OffsetSearch& search);
+
 /// How well the gyroscope explains how the picture turned, at one time offset.
 struct AxesFit {
   double offset_s = 0;

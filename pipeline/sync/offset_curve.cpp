@@ -40,9 +40,8 @@ Result<std::vector<OffsetCost>> offset_curve(const JointData& data, const JointP
   const GyroIntegral gyro(data.gyro, zero, fitted.gyro_bias_rad_s);
   std::vector<OffsetCost> curve;
   JointParameters at = fitted;
-  for (double away_s = -search.half_width_s; away_s <= search.half_width_s;
-       away_s += search.step_s) {
-    at.offset_s = search.middle_s + away_s;
+  for (const double offset_s : offsets_of(search)) {
+    at.offset_s = offset_s;
     const auto cost_px2 = mean_square_px2(pairs, gyro, at);
     if (cost_px2) curve.push_back({at.offset_s, *cost_px2});
   }

@@ -1,0 +1,13 @@
+#include "daemon/gimbalctl/calibrate_imu.hpp"
+#include "daemon/gimbalctl/commands.hpp"
+
+namespace gimbal {
+
+void add_calibrate_command(CLI::App& app, CommandOutcome& outcome) {
+  CLI::App* const calibrate =
+      app.add_subcommand("calibrate", "Measure what a camera or an IMU is like");
+  calibrate->require_subcommand(1);
+  add_calibrate_imu(*calibrate, outcome);
+}
+
+}  // namespace gimbal
