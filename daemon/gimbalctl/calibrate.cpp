@@ -1,4 +1,4 @@
-#include "daemon/gimbalctl/calibrate_imu.hpp"
+#include "daemon/gimbalctl/calibrations.hpp"
 #include "daemon/gimbalctl/commands.hpp"
 
 namespace gimbal {
@@ -8,6 +8,7 @@ void add_calibrate_command(CLI::App& app, CommandOutcome& outcome) {
       app.add_subcommand("calibrate", "Measure what a camera or an IMU is like");
   calibrate->require_subcommand(1);
   add_calibrate_imu(*calibrate, outcome);
+  add_calibrate_readout(*calibrate, outcome);
 }
 
 }  // namespace gimbal

@@ -1,5 +1,3 @@
-#include "daemon/gimbalctl/calibrate_imu.hpp"
-
 #include <fmt/core.h>
 #include <fmt/format.h>
 
@@ -10,11 +8,12 @@
 #include <optional>
 #include <string>
 
+#include "daemon/gimbalctl/calibrations.hpp"
 #include "daemon/gimbalctl/svg_plot.hpp"
 #include "daemon/gimbalctl/warnings.hpp"
 #include "drivers/replay/session.hpp"
-#include "pipeline/imu_calibration/accel_faces.hpp"
-#include "pipeline/imu_calibration/gyro_noise.hpp"
+#include "pipeline/calibration/accel_faces.hpp"
+#include "pipeline/calibration/gyro_noise.hpp"
 
 namespace gimbal {
 namespace {

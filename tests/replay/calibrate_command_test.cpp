@@ -28,7 +28,7 @@ test::ProgramRun gimbalctl(std::vector<std::string> arguments) {
   return test::run_program(arguments, kLimit_s);
 }
 
-class CalibrateImu : public ::testing::Test {
+class Calibrate : public ::testing::Test {
  protected:
   [[nodiscard]] std::string path(const std::string& name) const {
     return (folder_.path() / name).string();
@@ -63,7 +63,7 @@ class CalibrateImu : public ::testing::Test {
   test::TemporaryFolder folder_;
 };
 
-TEST_F(CalibrateImu, TellsBiasNoiseAndTheAccelerometersErrors) {
+TEST_F(Calibrate, TellsBiasNoiseAndTheAccelerometersErrors) {
   simulate("tripod");
   write_faces();
   const auto run = gimbalctl({"calibrate", "imu", path("session"), "--faces", path("faces"),
@@ -79,7 +79,52 @@ TEST_F(CalibrateImu, TellsBiasNoiseAndTheAccelerometersErrors) {
   EXPECT_TRUE(fs::exists(path("allan.svg")));
 }
 
-TEST_F(CalibrateImu, CannotTellFromAHand) {
+/// Frames of a surface that a square wave of light shines on, each line exposed for 0.4 ms: 64 x
+/// 240 in y4m, luma by BT.709's transfer.
+std::string flashing_video(double light_hz, double readout_s) {
+  constexpr int kWidth = 64;
+  constexpr int kLines = 240;
+  constexpr int kStepsOfExposure = 40;
+  constexpr double kExposure_s = 0.4e-3;
+  std::string video = "YUV4MPEG2 W64 H240 F30:1 Ip A1:1 C420 XCOLORRANGE=FULL\n";
+  for (int frame = 0; frame < 45; ++frame) {
+    video += "FRAME\n";
+    for (int line = 0; line < kLines; ++line) {
+      int lit = 0;
+      for (int step = 0; step < kStepsOfExposure; ++step) {
+        const double time_s =
+            10 + frame / 30.0 + readout_s * line / kLines - kExposure_s * step / kStepsOfExposure;
+        lit += std::fmod(time_s * light_hz, 1.0) < 0.5 ? 1 : 0;
+      }
+      const double light = 0.1 + 0.6 * lit / kStepsOfExposure;
+      const double signal = 1.099 * std::pow(light, 0.45) - 0.099;
+      video += std::string(kWidth, static_cast<char>(std::lround(255 * signal)));
+    }
+    video += std::string(kWidth * kLines / 2, '\x80');
+  }
+  return video;
+}
+
+// The recording has no calibration at all: neither lens nor gyroscope is needed.
+TEST_F(Calibrate, TellsTheReadoutOfAFlashingLight) {
+  std::ostringstream frames;
+  frames << "index,t_s\n";
+  for (int frame = 0; frame < 45; ++frame) frames << frame << "," << 10 + frame / 30.0 << "\n";
+  // What a file holds is told by its content, not by its name.
+  folder_.write("light/video.mkv", flashing_video(407, 0.0241));
+  folder_.write("light/session.toml", "device = \"board\"\n");
+  folder_.write("light/frames.csv", frames.str());
+  const auto run = gimbalctl({"calibrate", "readout", path("light"), "--hz", "407", "--json",
+                              "--plot", path("bands.svg")});
+  ASSERT_EQ(run.exit_status, 0) << run.standard_error;
+  const Json found = Json::parse(run.standard_output);
+  EXPECT_NEAR(found["readout_s"], 0.0241, 0.01 * 0.0241);
+  EXPECT_NEAR(found["exposure_s"], 0.4e-3, 0.1e-3);
+  EXPECT_TRUE(fs::exists(path("bands.svg")));
+  EXPECT_EQ(gimbalctl({"calibrate", "readout", path("light"), "--hz", "300.7"}).exit_status, 2);
+}
+
+TEST_F(Calibrate, CannotTellFromAHand) {
   simulate("walk");
   const auto run = gimbalctl({"calibrate", "imu", path("session"), "--json"});
   EXPECT_EQ(run.exit_status, 2);

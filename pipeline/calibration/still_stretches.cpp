@@ -1,4 +1,4 @@
-#include "pipeline/imu_calibration/still_stretches.hpp"
+#include "pipeline/calibration/still_stretches.hpp"
 
 #include <algorithm>
 

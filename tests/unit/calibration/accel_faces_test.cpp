@@ -1,4 +1,4 @@
-#include "pipeline/imu_calibration/accel_faces.hpp"
+#include "pipeline/calibration/accel_faces.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "pipeline/imu_calibration/accel_faces.hpp"
+#include "pipeline/calibration/accel_faces.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "pipeline/imu_calibration/still_stretches.hpp"
+#include "pipeline/calibration/still_stretches.hpp"
 
 namespace gimbal {
 namespace {

@@ -1,4 +1,4 @@
-#include "pipeline/imu_calibration/gyro_noise.hpp"
+#include "pipeline/calibration/gyro_noise.hpp"
 
 #include <fmt/format.h>
 
@@ -7,7 +7,7 @@
 #include <limits>
 #include <numbers>
 
-#include "pipeline/imu_calibration/still_stretches.hpp"
+#include "pipeline/calibration/still_stretches.hpp"
 
 namespace gimbal {
 namespace {

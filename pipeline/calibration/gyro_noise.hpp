@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "pipeline/imu_calibration/allan_deviation.hpp"
+#include "pipeline/calibration/allan_deviation.hpp"
 #include "pipeline/sample/imu_sample.hpp"
 
 namespace gimbal {

@@ -1,4 +1,4 @@
-#include "pipeline/imu_calibration/gyro_noise.hpp"
+#include "pipeline/calibration/gyro_noise.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

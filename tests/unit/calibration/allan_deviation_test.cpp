@@ -1,4 +1,4 @@
-#include "pipeline/imu_calibration/allan_deviation.hpp"
+#include "pipeline/calibration/allan_deviation.hpp"
 
 #include <gtest/gtest.h>
 
