@@ -60,6 +60,9 @@ SensorTime stamp_of(const ImuReading& reading) {
 Result<std::unique_ptr<LivePipeline>> LivePipeline::start(
     LiveSources sources, const StabilizationSettings& settings,
     const std::vector<OutputSettings>& outputs, SourceObserver* observer) {
+  if (auto sound = check_horizon(settings, sources.accelerometer); !sound) {
+    return tl::unexpected(sound.error());
+  }
   AttitudeEkfParameters ekf;
   ekf.remembered_bias = sources.remembered_bias;
   auto stabilizer = Stabilizer::create(
@@ -98,6 +101,7 @@ LivePipeline::LivePipeline(LiveSources sources, Stabilizer stabilizer,
       format_(sources.format),
       calibration_(sources.camera_calibration),
       imu_calibration_(sources.imu_calibration),
+      accelerometer_(sources.accelerometer),
       observer_(observer),
       inflow_(kHeldInflow),
       drawings_(kHeldDrawings),
@@ -127,6 +131,10 @@ void LivePipeline::stop() {
     endings.emplace_back([&output] { output->finish(); });
   }
   for (std::thread& ending : endings) ending.join();
+}
+
+Result<void> LivePipeline::check(const StabilizationSettings& settings) const {
+  return check_horizon(settings, accelerometer_);
 }
 
 void LivePipeline::apply(const StabilizationSettings& settings) {

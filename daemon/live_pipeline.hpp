@@ -112,9 +112,12 @@ class LivePipeline {
   /// Stops the sources, lets what is held come out, and ends the outputs properly.
   void stop();
 
-  /// From the next frame on: amount, path, latency, zoom and border. The others are what they were
-  /// at the start.
+  /// From the next frame on: amount, path, latency, zoom, border and horizon. The others are what
+  /// they were at the start.
   void apply(const StabilizationSettings& settings);
+
+  /// Refuses what the devices cannot do.
+  [[nodiscard]] Result<void> check(const StabilizationSettings& settings) const;
 
   /// Whether nothing more can come out: the sources have ended, a stage has failed, or no output is
   /// left.
@@ -186,6 +189,7 @@ class LivePipeline {
   const CameraFormat format_;
   const CameraCalibration calibration_;
   const ImuCalibration imu_calibration_;
+  const Accelerometer accelerometer_;
   SourceObserver* const observer_;
   std::vector<std::unique_ptr<Output>> outputs_;
 

@@ -10,10 +10,14 @@ namespace {
 /// What an automatic zoom may use at most: the thesis' own comparison went up to 25 %.
 constexpr double kAutoZoomMost = 1.25;
 
+/// The same where the horizon has to be level: 20 degrees of roll.
+constexpr double kAutoZoomMostLevel = 1.7;
+
 ZoomChoice zoom_choice(const StabilizationSettings& settings) {
   if (settings.zoom) return {*settings.zoom, *settings.zoom};
   // Other borders fill what crop has to zoom past.
-  return settings.border == Border::crop ? ZoomChoice{1, kAutoZoomMost} : ZoomChoice{1, 1};
+  if (settings.border != Border::crop) return {1, 1};
+  return {1, settings.lock.horizon == Horizon::hard ? kAutoZoomMostLevel : kAutoZoomMost};
 }
 
 }  // namespace
@@ -49,6 +53,12 @@ const std::map<std::string, OutputLens>& output_lens_names() {
   return names;
 }
 
+const std::map<std::string, Horizon>& horizon_names() {
+  static const std::map<std::string, Horizon> names = {
+      {"off", Horizon::off}, {"soft", Horizon::soft}, {"hard", Horizon::hard}};
+  return names;
+}
+
 const std::map<std::string, Border>& border_names() {
   static const std::map<std::string, Border> names = {{"crop", Border::crop},
                                                       {"extend", Border::extend},
@@ -75,6 +85,23 @@ void take_over_live(const StabilizationSettings& from, StabilizationSettings& to
   to.latency = from.latency;
   to.zoom = from.zoom;
   to.border = from.border;
+  to.lock = from.lock;
+}
+
+Result<void> check_horizon(const StabilizationSettings& settings, Accelerometer accelerometer) {
+  if (settings.lock.horizon == Horizon::off) return {};
+  const std::string what = "horizon " + name_of(settings.lock.horizon, horizon_names());
+  if (accelerometer == Accelerometer::absent) {
+    return bad_input(what + ": there is no accelerometer, so nothing tells which way is up");
+  }
+  if (settings.correction == Correction::rectify_only) {
+    return bad_input(what + ": rectifying only leaves the motion as it is");
+  }
+  if (settings.path != PathKind::bounded) {
+    return bad_input(what + ": is kept by path bounded, not by " +
+                     name_of(settings.path, path_names()));
+  }
+  return {};
 }
 
 std::unique_ptr<CameraPath> make_path(const StabilizationSettings& settings, double fps) {
@@ -91,7 +118,7 @@ std::unique_ptr<CameraPath> make_path(const StabilizationSettings& settings, dou
     case PathKind::bounded:
       break;
   }
-  return make_bounded_path(settings.amount, zoom, settings.latency);
+  return make_bounded_path({settings.amount, settings.lock}, zoom, settings.latency);
 }
 
 StabilizerOptions stabilizer_options(const StabilizationSettings& settings) {

@@ -11,6 +11,7 @@
 #include "pipeline/sample/result.hpp"
 #include "pipeline/smoother/attitude_stream.hpp"
 #include "pipeline/stabilizer.hpp"
+#include "pipeline/timing/imu_aligner.hpp"
 #include "pipeline/warp/warp_mesh.hpp"
 #include "pipeline/warp/warper.hpp"
 
@@ -28,6 +29,7 @@ enum class Correction : std::uint8_t { rectify_and_stabilize, rectify_only };
 [[nodiscard]] const std::map<std::string, Interpolation>& interpolation_names();
 [[nodiscard]] const std::map<std::string, OutputLens>& output_lens_names();
 [[nodiscard]] const std::map<std::string, Border>& border_names();
+[[nodiscard]] const std::map<std::string, Horizon>& horizon_names();
 
 /// The word for a value; each has one.
 template <typename Value>
@@ -38,6 +40,8 @@ template <typename Value>
 
 constexpr double kNarrowestOutputFov_deg = 1;
 constexpr double kWidestOutputFov_deg = 150;
+
+constexpr double kWidestHorizonRange_deg = 180;
 
 constexpr int kMostDrawingThreads = 64;
 
@@ -67,14 +71,20 @@ struct StabilizationSettings {
   std::optional<int> threads;            ///< that draw a frame on the CPU; none: as many as pay
   EstimatorKind estimator = EstimatorKind::ekf;
   PathKind path = PathKind::bounded;
+  HorizonLock lock;
   Correction correction = Correction::rectify_and_stabilize;
   std::optional<double> reference_line;  ///< none: the middle
 
   bool operator==(const StabilizationSettings&) const = default;
 };
 
-/// Takes over what may change while pictures are drawn: amount, path, latency, zoom and border.
+/// Takes over what may change while pictures are drawn: amount, path, latency, zoom,
+/// border and horizon.
 void take_over_live(const StabilizationSettings& from, StabilizationSettings& to);
+
+/// Without an accelerometer nothing tells which way is up; the thesis' low-passes do not ask.
+[[nodiscard]] Result<void> check_horizon(const StabilizationSettings& settings,
+                                         Accelerometer accelerometer);
 
 [[nodiscard]] std::unique_ptr<CameraPath> make_path(const StabilizationSettings& settings,
                                                     double fps);

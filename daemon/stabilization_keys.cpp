@@ -1,5 +1,6 @@
 #include "daemon/stabilization_keys.hpp"
 
+#include <numbers>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,6 +47,16 @@ void read_live_stabilization(TomlTable& table, StabilizationSettings& settings) 
   read_zoom(table, settings.zoom);
   read_choice(table, "border", border_names(), settings.border);
   read_choice(table, "path", path_names(), settings.path);
+  read_choice(table, "horizon", horizon_names(), settings.lock.horizon);
+  if (settings.lock.horizon != Horizon::off && settings.path != PathKind::bounded) {
+    table.refuse("horizon", "is kept by path = \"bounded\" only");
+  }
+  if (const auto range_deg = table.number("horizon_range_deg")) {
+    if (!(*range_deg >= 0 && *range_deg <= kWidestHorizonRange_deg)) {
+      table.refuse("horizon_range_deg", "must be from 0 to 180");
+    }
+    settings.lock.most_roll_rad = *range_deg * std::numbers::pi / 180;
+  }
 }
 
 void read_stabilization(TomlTable& table, StabilizationSettings& settings) {

@@ -124,7 +124,9 @@ Json live_settings_as_json(const StabilizationSettings& settings) {
           {"path", name_of(settings.path, path_names())},
           {"latency_frames", settings.latency ? Json(*settings.latency) : Json(nullptr)},
           {"zoom", settings.zoom ? Json(*settings.zoom) : Json("auto")},
-          {"border", name_of(settings.border, border_names())}};
+          {"border", name_of(settings.border, border_names())},
+          {"horizon", name_of(settings.lock.horizon, horizon_names())},
+          {"horizon_range_deg", settings.lock.most_roll_rad * 180 / std::numbers::pi}};
 }
 
 Json status_as_json(const Supervisor& daemon) {

@@ -23,6 +23,8 @@ std::vector<std::string> changed_live_keys(const StabilizationSettings& before,
   if (before.latency != after.latency) keys.emplace_back("latency_frames");
   if (before.zoom != after.zoom) keys.emplace_back("zoom");
   if (before.border != after.border) keys.emplace_back("border");
+  if (before.lock.horizon != after.lock.horizon) keys.emplace_back("horizon");
+  if (before.lock.most_roll_rad != after.lock.most_roll_rad) keys.emplace_back("horizon_range_deg");
   return keys;
 }
 
@@ -94,6 +96,8 @@ Result<ReloadReport> Supervisor::reload() {
 Result<ReloadReport> Supervisor::take_over_files() {
   const auto read = list_files_().and_then(load_configuration);
   if (!read) return tl::unexpected(read.error());
+  if (auto sound = pipeline_.check(read->stabilization); !sound)
+    return tl::unexpected(sound.error());
   const std::lock_guard lock(mutex_);
   const ReloadReport report{changed_live_keys(settings_, read->stabilization),
                             changed_other_keys(at_start_, *read)};
@@ -109,6 +113,7 @@ Result<void> Supervisor::set(const std::string& toml) {
   StabilizationSettings changed = settings_;
   read_live_stabilization(*table, changed);
   if (auto sound = verdict(*table); !sound) return sound;
+  if (auto sound = pipeline_.check(changed); !sound) return sound;
   settings_ = changed;
   pipeline_.apply(settings_);
   return {};

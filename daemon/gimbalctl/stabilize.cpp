@@ -2,6 +2,7 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <numbers>
 #include <string>
 
 #include "daemon/gimbalctl/commands.hpp"
@@ -22,6 +23,8 @@ struct Arguments {
   std::string output_lens = "rectilinear";
   std::string border = "crop";
   std::string path = "bounded";
+  std::string horizon = "off";
+  double horizon_range_deg = 45;
   std::string estimator = "ekf";
 };
 
@@ -66,6 +69,8 @@ Result<void> run(Arguments& arguments) {
   }
   request.border = border_names().at(arguments.border);
   request.path = path_names().at(arguments.path);
+  request.lock.horizon = horizon_names().at(arguments.horizon);
+  request.lock.most_roll_rad = arguments.horizon_range_deg * std::numbers::pi / 180;
   request.estimator = estimator_names().at(arguments.estimator);
   return stabilize_session(request);
 }
@@ -115,6 +120,14 @@ void add_options(CLI::App& command, Arguments& arguments) {
   command.add_option("--path", arguments.path, "How the camera's path is smoothed")
       ->transform(CLI::IsMember(names_of(path_names())))
       ->option_text("bounded|hann|adaptive-hann [bounded]");
+  command.add_option("--horizon", arguments.horizon, "Whether the horizon is kept level")
+      ->transform(CLI::IsMember(names_of(horizon_names())))
+      ->option_text("off|soft|hard [off]");
+  command
+      .add_option("--horizon-range", arguments.horizon_range_deg,
+                  "How many degrees of roll are levelled; more stays in the picture")
+      ->check(CLI::Range(0.0, kWidestHorizonRange_deg))
+      ->option_text("DEG [45]");
   command.add_flag_callback(
       "--rectify-only", [&request] { request.correction = Correction::rectify_only; },
       "Take out the rolling shutter, leave the motion");

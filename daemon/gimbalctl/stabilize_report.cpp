@@ -56,6 +56,8 @@ Json to_json(const StabilizeReport& report) {
       {"latency_frames", report.latency_frames ? Json(*report.latency_frames) : Json("full")},
       {"latency_s", report.latency_frames ? Json(report.latency_s) : Json(nullptr)},
       {"border", report.border},
+      {"horizon", report.horizon},
+      {"frames_rectified_in_part", report.frames_rectified_in_part},
       {"zoom", report.zoom_sum / frames},
       {"zoom_max", report.zoom_most},
       {"retained_field_of_view", report.view_sum / frames},

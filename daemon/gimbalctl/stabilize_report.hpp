@@ -38,6 +38,8 @@ struct StabilizeReport {
   std::string path;
   double amount = 0;
   std::string border;
+  std::string horizon;
+  std::int64_t frames_rectified_in_part = 0;  ///< sheared too much for any view
   std::optional<std::size_t> latency_frames;  ///< none: the whole recording
   double latency_s = 0;                       ///< what the path waits for; 0 when all is known
 

@@ -110,6 +110,7 @@ Result<void> Job::run() {
   report_.amount = request_.correction == Correction::rectify_only ? 0 : request_.amount;
   report_.border = name_of(request_.border, border_names());
   report_.estimator = name_of(request_.estimator, estimator_names());
+  report_.horizon = name_of(request_.lock.horizon, horizon_names());
   report_.path = name_of(request_.path, path_names());
   report_.interpolation = name_of(request_.interpolation, interpolation_names());
   report_.latency_frames = request_.latency;
@@ -135,6 +136,11 @@ Result<void> Job::plan() {
     report_.estimator = "none";
     report_.path = "none";
     return {};
+  }
+  const auto accelerometer =
+      session_.accel.empty() ? Accelerometer::absent : Accelerometer::present;
+  if (auto sound = check_horizon(request_, accelerometer); !sound) {
+    return bad_input(session_.folder.string() + ": --" + sound.error().message);
   }
   const int lines = line_count(session_.camera->size, session_.camera->readout_direction);
   if (request_.reference_line &&
@@ -289,6 +295,7 @@ void Job::note(const VirtualCamera& camera, std::int64_t border_px) {
   report_.zoom_sum += zoom;
   report_.zoom_most = std::max(report_.zoom_most, zoom);
   report_.view_sum += 1 / (zoom * zoom);
+  if (camera.rectified < 1) ++report_.frames_rectified_in_part;
   report_.border_px += border_px;
   report_.border_px_most = std::max(report_.border_px_most, border_px);
   if (border_px > 0) ++frames_with_border_;

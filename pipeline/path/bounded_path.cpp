@@ -38,7 +38,7 @@ constexpr double kConfidenceFades_s = 0.25;
 
 /// From half of the room on a view is pulled back gently, just before the frame's edge for good.
 constexpr PathWall kSoftWall = {0.5, 30};
-constexpr PathWall kHardWall = {0.95, 1e7};
+constexpr PathWall kHardWall = {0.97, 1e6};
 
 // The stretch around a frame whose turns its view keeps to, and by how much it may exceed them.
 constexpr double kRange_s = 0.4;
@@ -53,6 +53,15 @@ constexpr double kLeastPull = 0.02;
 /// A zoom is chosen so that the path without walls would use this much of the room: walls take off
 /// what is beyond so gently that a larger zoom would not pay.
 constexpr double kWantedUse = 1.3;
+
+/// A horizon that is kept whatever happens has to fit as it is.
+constexpr double kUseOfHardLock = 0.9;
+
+// Pulls the view's roll to the horizon, more than anything else, while a turn to it leaves some of
+// the room; where it does not, it is drawn there as it is to any other aim.
+constexpr double kHoldLevel = 1e7;
+constexpr double kUseOfTurnToLevel = 0.9;
+constexpr double kStretchOfLettingGo = 0.3;
 
 /// A room that the zoom does not give is measured against this one.
 constexpr double kLeastNominalRoom = 0.005;
@@ -73,10 +82,16 @@ PathPoint point_of(const FramePose& pose, const FramePose& origin) {
           world_turn(origin.q_world_camera, pose.q_world_camera)};
 }
 
+/// From 0 to 1 with no kink at either end.
+double smooth_step(double x) {
+  const double t = std::clamp(x, 0.0, 1.0);
+  return t * t * (3 - 2 * t);
+}
+
 /// The zoom at which a turn `d` away from the real camera, in its axes, uses as much of the room as
 /// is wanted.
-double wanted_zoom(const ViewRoom& room, const Vector3d& d) {
-  const ViewRoom::Limits left = room.side - room.shift_per_rad * d / kWantedUse;
+double wanted_zoom(const ViewRoom& room, const Vector3d& d, double wanted_use) {
+  const ViewRoom::Limits left = room.side - room.shift_per_rad * d / wanted_use;
   double zoom = 1;
   for (Eigen::Index i = 0; i < left.size(); ++i) {
     zoom = left[i] > 0 ? std::max(zoom, room.corner[i] / left[i])
@@ -86,10 +101,21 @@ double wanted_zoom(const ViewRoom& room, const Vector3d& d) {
   return zoom;
 }
 
+/// How firmly the horizon can be held: 1 where the turn to it leaves room, 0 where it does not.
+double held_level(const PathTarget& target) {
+  const Vector3d to_level = target.aim.turn_rad - target.real_turn_rad;
+  const double use = (target.use_per_rad * to_level).maxCoeff();
+  return smooth_step((1 - use / kUseOfTurnToLevel) / kStretchOfLettingGo);
+}
+
 }  // namespace
 
-BoundedPath::BoundedPath(double amount, ZoomChoice zoom, PathLatency latency)
-    : amount_(std::clamp(amount, 0.0, 1.0)), zoom_(zoom), latency_(latency) {}
+BoundedPath::BoundedPath(const BoundedPathParameters& parameters, ZoomChoice zoom,
+                         PathLatency latency)
+    : amount_(std::clamp(parameters.amount, 0.0, 1.0)),
+      lock_(parameters.lock),
+      zoom_(zoom),
+      latency_(latency) {}
 
 void BoundedPath::push(PathFrame frame) {
   if (!held_.empty() || !behind_.empty()) {
@@ -157,10 +183,10 @@ void BoundedPath::release_next() {
 
 /// As if the view had come along with the camera, as far as it is known where that goes.
 void BoundedPath::start_tracks() {
-  const FramePose& first = held_.front().real;
+  const FramePose first = aim_of(held_.front().real);
   Vector3d rate_rad_s = Vector3d::Zero();
   for (const PathFrame& frame : held_) {
-    const PathPoint ahead = point_of(frame.real, first);
+    const PathPoint ahead = point_of(aim_of(frame.real), first);
     if (ahead.time_s > kPaceStretch_s) break;
     rate_rad_s = ahead.turn_rad / kPaceStretch_s;
   }
@@ -175,14 +201,25 @@ void BoundedPath::start_tracks() {
   unbounded_ = track;
 }
 
+FramePose BoundedPath::aim_of(const FramePose& real) const {
+  if (lock_.horizon == Horizon::off) return real;
+  return {real.stamp, levelled(real.q_world_camera, lock_.most_roll_rad)};
+}
+
 BoundedPath::Outlook BoundedPath::look_ahead() const {
   Outlook outlook;
   const FramePose& origin = held_.front().real;
   for (const PathFrame& frame : held_) {
     PathTarget target;
-    target.real = point_of(frame.real, origin);
-    if (target.real.time_s > kLongestHorizon_s) break;
-    if (target.real.turn_rad.norm() > kFarthestTurn_rad) break;
+    const PathPoint real = point_of(frame.real, origin);
+    if (real.time_s > kLongestHorizon_s || real.turn_rad.norm() > kFarthestTurn_rad) break;
+    target.real_turn_rad = real.turn_rad;
+    const FramePose aim = aim_of(frame.real);
+    target.aim = point_of(aim, origin);
+    if (lock_.horizon == Horizon::hard) {
+      target.axis = roll_per_turn(aim.q_world_camera);
+      target.axis_pull = kHoldLevel;
+    }
     outlook.targets.push_back(target);
   }
   outlook.known = outlook.targets.size();
@@ -192,15 +229,17 @@ BoundedPath::Outlook BoundedPath::look_ahead() const {
 /// Where the camera comes to around each frame, and how much it means to stand there.
 void BoundedPath::mark_ranges(Outlook& outlook) const {
   std::vector<PathPoint> points;
-  for (const FramePose& pose : behind_) points.push_back(point_of(pose, held_.front().real));
-  for (const PathTarget& target : outlook.targets) points.push_back(target.real);
+  for (const FramePose& pose : behind_) {
+    points.push_back(point_of(aim_of(pose), held_.front().real));
+  }
+  for (const PathTarget& target : outlook.targets) points.push_back(target.aim);
   auto first = points.begin();
   for (std::size_t i = 0; i < outlook.known; ++i) {
     PathTarget& target = outlook.targets[i];
-    while (first->time_s < target.real.time_s - kRange_s) ++first;
-    Vector3d least = target.real.turn_rad;
+    while (first->time_s < target.aim.time_s - kRange_s) ++first;
+    Vector3d least = target.aim.turn_rad;
     Vector3d most = least;
-    for (auto p = first; p != points.end() && p->time_s <= target.real.time_s + kRange_s; ++p) {
+    for (auto p = first; p != points.end() && p->time_s <= target.aim.time_s + kRange_s; ++p) {
       least = least.cwiseMin(p->turn_rad);
       most = most.cwiseMax(p->turn_rad);
     }
@@ -215,15 +254,22 @@ void BoundedPath::guess_further(Outlook& outlook) const {
   const double guess_s =
       std::clamp(kGuessOfNothing_s - kLessGuessPerHorizon * horizon_s(), 0.0, kLongestGuess_s);
   const auto count = static_cast<std::size_t>(std::lround(guess_s / interval_s));
-  const double known_until_s = outlook.targets.back().real.time_s;
+  const Vector3d forward = held_[outlook.known - 1].real.q_world_camera * Vector3d::UnitZ();
+  const double known_until_s = outlook.targets.back().aim.time_s;
   for (const Vector3d& rate_rad_s : prediction_.next(count)) {
     PathTarget target = outlook.targets.back();
-    target.real.time_s += interval_s;
-    target.real.turn_rad += interval_s * rate_rad_s;
-    target.least_rad = target.least_rad.cwiseMin(target.real.turn_rad);
-    target.most_rad = target.most_rad.cwiseMax(target.real.turn_rad);
+    target.aim.time_s += interval_s;
+    const Vector3d turn_rad = interval_s * rate_rad_s;
+    target.real_turn_rad += turn_rad;
+    // What rolls is not aimed at where the horizon is kept.
+    target.aim.turn_rad += turn_rad;
+    if (lock_.horizon != Horizon::off) {
+      target.aim.turn_rad -= turn_rad.dot(forward) * forward;
+    }
+    target.least_rad = target.least_rad.cwiseMin(target.aim.turn_rad);
+    target.most_rad = target.most_rad.cwiseMax(target.aim.turn_rad);
     target.confidence =
-        kGuessConfidence * std::exp((known_until_s - target.real.time_s) / kConfidenceFades_s);
+        kGuessConfidence * std::exp((known_until_s - target.aim.time_s) / kConfidenceFades_s);
     outlook.targets.push_back(target);
   }
 }
@@ -236,12 +282,13 @@ std::vector<double> BoundedPath::plan_zooms(const Outlook& outlook) {
   if (zoom_.is_fixed()) return zoom_.plan(needs);
   PathCost cost;
   cost.smoothing_s = amount_ * kMostSmoothing_s;
-  Outlook unfurnished = outlook;
-  follow(cost, unfurnished, *unbounded_);
+  follow(cost, outlook, *unbounded_);
+  const double wanted_use = lock_.horizon == Horizon::hard ? kUseOfHardLock : kWantedUse;
   for (std::size_t i = 0; i < outlook.known; ++i) {
     const Quaterniond& real = held_[i].real.q_world_camera;
     const Quaterniond& view = unbounded_->planned[i];
-    needs[i].zoom = wanted_zoom(held_[i].room, real.conjugate() * world_turn(real, view));
+    needs[i].zoom =
+        wanted_zoom(held_[i].room, real.conjugate() * world_turn(real, view), wanted_use);
   }
   return zoom_.plan(needs);
 }
@@ -257,6 +304,7 @@ void BoundedPath::furnish(Outlook& outlook, const std::vector<double>& zooms) co
     if (i < outlook.known) target.use = 1 - frame.room.at_zoom(zooms[known]).array() / nominal;
     target.use_per_rad = frame.room.shift_per_rad / nominal *
                          frame.real.q_world_camera.conjugate().toRotationMatrix();
+    target.axis_pull *= held_level(target);
     const double use_per_rad = target.use_per_rad.norm() / std::sqrt(ViewRoom::kLimits);
     const double moved = (target.most_rad - target.least_rad).maxCoeff() - 2 * kOvershoot_rad;
     const double share = moved * use_per_rad / kStandingShare;
@@ -276,7 +324,7 @@ void BoundedPath::follow(const PathCost& cost, const Outlook& outlook, Track& tr
     } else if (i >= 2) {
       views.emplace_back(2 * views[i - 1] - views[i - 2]);
     } else {
-      views.push_back(outlook.targets[i].real.turn_rad);
+      views.push_back(outlook.targets[i].aim.turn_rad);
     }
   }
   optimum_.find(cost, past, outlook.targets, views);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "pipeline/path/camera_path.hpp"
+#include "pipeline/path/horizon.hpp"
 #include "pipeline/path/path_optimum.hpp"
 #include "pipeline/path/rate_prediction.hpp"
 #include "pipeline/path/zoom_plan.hpp"
@@ -22,8 +23,7 @@ namespace gimbal {
 /// still while the hand means to.
 class BoundedPath final : public CameraPath {
  public:
-  /// `amount` from 0, which leaves poses as they are, to 1.
-  BoundedPath(double amount, ZoomChoice zoom, PathLatency latency);
+  BoundedPath(const BoundedPathParameters& parameters, ZoomChoice zoom, PathLatency latency);
 
   void push(PathFrame frame) override;
   void finish() override;
@@ -46,6 +46,7 @@ class BoundedPath final : public CameraPath {
   [[nodiscard]] bool is_enough_held() const;
   void release_next();
   [[nodiscard]] double horizon_s() const;
+  [[nodiscard]] FramePose aim_of(const FramePose& real) const;
   [[nodiscard]] Outlook look_ahead() const;
   void mark_ranges(Outlook& outlook) const;
   void guess_further(Outlook& outlook) const;
@@ -55,6 +56,7 @@ class BoundedPath final : public CameraPath {
   void start_tracks();
 
   double amount_;
+  HorizonLock lock_;
   ZoomPlan zoom_;
   PathLatency latency_;
   double interval_s_ = 0;  ///< typical, from frame to frame

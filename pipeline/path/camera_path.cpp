@@ -61,8 +61,9 @@ std::unique_ptr<CameraPath> make_adaptive_hann_path(const AdaptiveHannParameters
                                        latency);
 }
 
-std::unique_ptr<CameraPath> make_bounded_path(double amount, ZoomChoice zoom, PathLatency latency) {
-  return std::make_unique<BoundedPath>(amount, zoom, latency);
+std::unique_ptr<CameraPath> make_bounded_path(const BoundedPathParameters& parameters,
+                                              ZoomChoice zoom, PathLatency latency) {
+  return std::make_unique<BoundedPath>(parameters, zoom, latency);
 }
 
 }  // namespace gimbal

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 
+#include "pipeline/path/horizon.hpp"
 #include "pipeline/path/pan_detector.hpp"
 #include "pipeline/sample/video_frame.hpp"
 #include "pipeline/sample/view_room.hpp"
@@ -80,10 +81,14 @@ struct AdaptiveHannParameters {
 [[nodiscard]] std::unique_ptr<CameraPath> make_adaptive_hann_path(
     const AdaptiveHannParameters& parameters, ZoomChoice zoom, PathLatency latency);
 
-/// The steadiest path that the frames leave room for (BoundedPath). `amount` from 0, which leaves
-/// poses as they are, to 1.
-[[nodiscard]] std::unique_ptr<CameraPath> make_bounded_path(double amount, ZoomChoice zoom,
-                                                            PathLatency latency);
+struct BoundedPathParameters {
+  double amount = 1;  ///< from 0, which leaves poses as they are, to 1
+  HorizonLock lock;
+};
+
+/// The steadiest path that the frames leave room for (BoundedPath).
+[[nodiscard]] std::unique_ptr<CameraPath> make_bounded_path(const BoundedPathParameters& parameters,
+                                                            ZoomChoice zoom, PathLatency latency);
 
 /// The frame rate that the thesis' windows are for. What matters to the eye is how long a window
 /// lasts, so for other rates they are scaled.

@@ -39,7 +39,7 @@ Derivatives derivatives(const std::array<double, 4>& t) {
 }
 
 Limits use_of(const PathTarget& target, const Vector3d& view_rad) {
-  return target.use + target.use_per_rad * (view_rad - target.real.turn_rad);
+  return target.use + target.use_per_rad * (view_rad - target.real_turn_rad);
 }
 
 Limits beyond(const PathWall& wall, const Limits& use) {
@@ -69,7 +69,7 @@ void PathOptimum::weigh_smoothness(double smoothing_s, std::span<const PathPoint
   from_past_.assign(targets.size(), Vector3d::Zero());
   interval_s_.resize(targets.size());
   const auto time = [&](std::size_t i) {
-    return i < past.size() ? past[i].time_s : targets[i - past.size()].real.time_s;
+    return i < past.size() ? past[i].time_s : targets[i - past.size()].aim.time_s;
   };
   for (std::size_t i = 0; i < targets.size(); ++i) {
     const Derivatives d = derivatives({time(i + 3), time(i + 2), time(i + 1), time(i)});
@@ -99,11 +99,13 @@ double PathOptimum::cost_of(const PathCost& cost, std::span<const PathTarget> ta
     for (std::size_t back = 1; back <= reach_back(i); ++back) {
       pulled += 2 * smoothness_[i][back] * views_rad[i - back];
     }
+    const Vector3d off = view - target.aim.turn_rad;
     const Limits use = use_of(target, view);
     double walls = 0;
     for (const PathWall& wall : cost.walls) walls += wall.weight * beyond(wall, use).squaredNorm();
     sum += pulled.dot(view) +
-           interval_s_[i] * (target.pull * (view - target.real.turn_rad).squaredNorm() +
+           interval_s_[i] * (target.pull * off.squaredNorm() +
+                             target.axis_pull * off.dot(target.axis) * off.dot(target.axis) +
                              target.confidence * rad2_per_use2_ * walls +
                              cost.overshoot_weight * overshoot(target, view).squaredNorm());
   }
@@ -139,10 +141,13 @@ void PathOptimum::find_step(const PathCost& cost, std::span<const PathTarget> ta
     const Vector3d over = overshoot(target, views_rad[i]);
     const double pull = interval_s_[i] * target.pull;
     const double push_back = interval_s_[i] * cost.overshoot_weight;
-    step_rad_[i] -= pull * (views_rad[i] - target.real.turn_rad) + push_back * over +
+    const double axis_pull = interval_s_[i] * target.axis_pull;
+    const Vector3d off = views_rad[i] - target.aim.turn_rad;
+    step_rad_[i] -= pull * off + axis_pull * off.dot(target.axis) * target.axis + push_back * over +
                     target.use_per_rad.transpose() * force;
     hessian_.block(i, 0).diagonal().array() +=
         pull + push_back * (over.array() != 0).cast<double>();
+    hessian_.block(i, 0).noalias() += axis_pull * target.axis * target.axis.transpose();
     hessian_.block(i, 0).noalias() +=
         target.use_per_rad.transpose() * stiffness.asDiagonal() * target.use_per_rad;
   }

@@ -21,7 +21,8 @@ struct PathPoint {
 
 /// What a frame asks of its view.
 struct PathTarget {
-  PathPoint real;  ///< the camera itself
+  PathPoint aim;  ///< where the view is drawn to: the camera's own, or that made level
+  Eigen::Vector3d real_turn_rad = Eigen::Vector3d::Zero();  ///< of the camera itself
   /// How much of the room the real camera's own view uses, and what a turn away from it adds. At 0
   /// is the middle of the room, at 1 the frame's edge.
   ViewRoom::Limits use = ViewRoom::Limits::Zero();
@@ -30,7 +31,10 @@ struct PathTarget {
   /// Turns that the camera comes to around that time: a view beyond them would overshoot.
   Eigen::Vector3d least_rad = Eigen::Vector3d::Constant(-std::numeric_limits<double>::infinity());
   Eigen::Vector3d most_rad = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
-  double pull = 1;        ///< of the real camera on its view
+  double pull = 1;  ///< of the aim on the view
+  /// Along this direction the aim pulls with `axis_pull` more.
+  Eigen::Vector3d axis = Eigen::Vector3d::Zero();
+  double axis_pull = 0;
   double confidence = 1;  ///< of the room: less where the frame is only guessed
 };
 
@@ -48,7 +52,7 @@ struct PathCost {
 
 /// The smoothest path through the room that frames leave to their views:
 ///
-///   min  integral of T^6 |y'''|^2 + 3 T^4 |y''|^2 + 3 T^2 |y'|^2 + pull |y - real|^2 + penalties
+///   min  integral of T^6 |y'''|^2 + 3 T^4 |y''|^2 + 3 T^2 |y'|^2 + pull |y - aim|^2 + penalties
 ///
 /// Without penalties that is the low-pass 1 / (1 + (T omega)^2)^3, which neither rings nor lags.
 /// The penalties are one-sided quadratics, so the problem is convex: Newton's method with a line

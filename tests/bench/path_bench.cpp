@@ -79,7 +79,7 @@ void adaptive_hann_path_frame(benchmark::State& state) {
 BENCHMARK(adaptive_hann_path_frame);
 
 void bounded_path_frame(benchmark::State& state) {
-  path_frame(state, gimbal::make_bounded_path(1, kZoom, static_cast<std::size_t>(state.range(0))));
+  path_frame(state, gimbal::make_bounded_path({}, kZoom, static_cast<std::size_t>(state.range(0))));
 }
 BENCHMARK(bounded_path_frame)->ArgName("latency")->Arg(0)->Arg(5)->Arg(15)->Arg(50);
 

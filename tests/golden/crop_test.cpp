@@ -48,7 +48,7 @@ Outcome run(const Motion& motion, const CameraCalibration& camera, double zoom,
   const ImuCalibration imu = test::phone_axes();
   auto stabilizer = *Stabilizer::create(
       camera, imu, make_causal_stream(std::make_unique<test::TruthEstimator>(motion, imu)),
-      make_bounded_path(1, {zoom, zoom}, latency), {});
+      make_bounded_path({}, {zoom, zoom}, latency), {});
   for (int i = -100; i < (kSeconds + 1) * kSamplesPerSecond; ++i) {
     stabilizer.push(ImuSample{time_from_seconds(static_cast<double>(i) / kSamplesPerSecond),
                               Eigen::Vector3d::Zero(), std::nullopt});

@@ -8,11 +8,13 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "drivers/replay/video_probe.hpp"
+#include "pipeline/path/horizon.hpp"
 #include "tests/support/run_program.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -115,6 +117,32 @@ TEST_F(Gimbalctl, WithoutAnAccelerometerTheWorldIsTheFirstFramesCamera) {
     const Eigen::Quaterniond turn = q_up_first.conjugate() * orientation_in(upright[i]);
     EXPECT_LT(turn.angularDistance(orientation_in(log[i])), 0.02) << log[i];
   }
+}
+
+double roll_deg(const std::string& line) {
+  return std::abs(roll_rad(orientation_in(line))) * 180 / std::numbers::pi;
+}
+
+TEST_F(Gimbalctl, AHardHorizonIsLevelInEachFrame) {
+  const Json report =
+      stabilize({"-o", path("out.mkv"), "--horizon", "hard", "--path-log", path("path.csv")});
+  EXPECT_EQ(report["horizon"], "hard");
+  EXPECT_EQ(report["border_px"]["total"], 0);
+  const auto log = lines_of(path("path.csv"));
+  for (std::size_t i = 1; i < log.size(); ++i) EXPECT_LT(roll_deg(log[i]), 0.1) << log[i];
+}
+
+TEST_F(Gimbalctl, AHorizonThatNothingTellsIsRefused) {
+  const auto refusal = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {"stabilize", session(), "-o", path("out.mkv")});
+    const auto run = gimbalctl(options);
+    EXPECT_EQ(run.exit_status, 2);
+    return run.standard_error;
+  };
+  EXPECT_THAT(refusal({"--horizon", "soft", "--path", "hann"}), testing::HasSubstr("--horizon"));
+  EXPECT_THAT(refusal({"--horizon", "soft", "--rectify-only"}), testing::HasSubstr("--horizon"));
+  fs::remove(fs::path(session()) / "accel.csv");
+  EXPECT_THAT(refusal({"--horizon", "hard"}), testing::HasSubstr("no accelerometer"));
 }
 
 TEST_F(Gimbalctl, CopiesAreCounted) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <chrono>
 #include <filesystem>
+#include <numbers>
 #include <string>
 #include <variant>
 
@@ -154,9 +155,15 @@ TEST_F(ConfigurationTest, HowPicturesAreDrawn) {
   EXPECT_EQ(kept->stabilization.interpolation, Interpolation::bicubic);
   EXPECT_EQ(kept->stabilization.output_lens, OutputLens::kept);
   EXPECT_EQ(load(begin + "output_fov_deg = 95.5\n")->stabilization.output_fov_deg, 95.5);
-  for (const char* wrong : {"threads = 0\n", "threads = 65\n", "interpolation = \"nearest\"\n",
-                            "output_lens = \"fisheye\"\n", "output_fov_deg = 151\n",
-                            "output_lens = \"kept\"\noutput_fov_deg = 90\n"}) {
+  const auto level = load(begin + "horizon = \"soft\"\nhorizon_range_deg = 90\n");
+  ASSERT_TRUE(level) << level.error().message;
+  EXPECT_EQ(level->stabilization.lock.horizon, Horizon::soft);
+  EXPECT_NEAR(level->stabilization.lock.most_roll_rad, std::numbers::pi / 2, 1e-12);
+  for (const char* wrong :
+       {"horizon = \"level\"\n", "horizon_range_deg = 181\n",
+        "path = \"hann\"\nhorizon = \"hard\"\n", "threads = 0\n", "threads = 65\n",
+        "interpolation = \"nearest\"\n", "output_lens = \"fisheye\"\n", "output_fov_deg = 151\n",
+        "output_lens = \"kept\"\noutput_fov_deg = 90\n"}) {
     EXPECT_FALSE(load(begin + wrong)) << wrong;
   }
 }

@@ -91,7 +91,7 @@ std::vector<SteadyView> views_of(CameraPath& path, const std::vector<FramePose>&
 
 std::vector<SteadyView> bounded(const std::vector<FramePose>& real, PathLatency latency,
                                 ZoomChoice zoom = {1.15, 1.15}, double amount = 1) {
-  BoundedPath path(amount, zoom, latency);
+  BoundedPath path({amount, {}}, zoom, latency);
   return views_of(path, real);
 }
 
@@ -124,7 +124,7 @@ INSTANTIATE_TEST_SUITE_P(Any, BoundedPathThatLooksAhead,
 
 TEST(BoundedPath, UsesAndHoldsAsManyFramesOfFutureAsItMay) {
   constexpr std::size_t kLatency = 5;
-  BoundedPath path(1, {1.15, 1.15}, kLatency);
+  BoundedPath path({}, {1.15, 1.15}, kLatency);
   const auto real = clip(walking_hand(), 2);
   for (std::size_t i = 0; i < real.size(); ++i) {
     path.push(frame_of(real[i]));
@@ -249,6 +249,64 @@ TEST_P(BoundedPathThatLooksAhead, APanEndsSoonAndWithoutOvershoot) {
         }
       }
     }
+  }
+}
+
+/// Walks, and holds the camera ever differently tilted.
+std::vector<FramePose> rolling_walk() {
+  HandModel hand = walking_hand();
+  hand.rotation_rad.push_back({0.05, 0.3, Vector3d(0, 0, 4 * kDegree)});
+  return clip(hand, 20);
+}
+
+double worst_roll_deg(const std::vector<SteadyView>& views) {
+  double worst = 0;
+  for (const SteadyView& view : views) {
+    worst = std::max(worst, std::abs(roll_rad(view.steady.q_world_camera)) / kDegree);
+  }
+  return worst;
+}
+
+std::vector<SteadyView> with_horizon(Horizon horizon, const std::vector<FramePose>& real,
+                                     PathLatency latency, ZoomChoice zoom) {
+  BoundedPath path({1, {horizon, 45 * kDegree}}, zoom, latency);
+  return views_of(path, real);
+}
+
+TEST_P(BoundedPathThatLooksAhead, AHardHorizonIsLevelWhereTheFrameReaches) {
+  const auto real = rolling_walk();
+  double rolled_deg = 0;
+  for (const FramePose& pose : real) {
+    rolled_deg = std::max(rolled_deg, std::abs(roll_rad(pose.q_world_camera)) / kDegree);
+  }
+  ASSERT_GT(rolled_deg, 8);
+  EXPECT_LT(worst_roll_deg(with_horizon(Horizon::hard, real, GetParam(), {1.6, 1.6})), 0.1);
+  // The zoom that it takes comes no faster than an eye bears.
+  const double breathing = worst_roll_deg(with_horizon(Horizon::hard, real, GetParam(), {1, 1.7}));
+  EXPECT_LT(breathing, GetParam() == PathLatency{5} ? 1.5 : 0.7);
+}
+
+TEST_P(BoundedPathThatLooksAhead, AHardHorizonGivesWayToTheFramesEdgeSteadily) {
+  const auto real = rolling_walk();
+  const auto views = with_horizon(Horizon::hard, real, GetParam(), {1.15, 1.15});
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    EXPECT_LE(frame_of(real[i]).required_zoom(views[i].steady.q_world_camera), 1.15) << i;
+  }
+  EXPECT_LT(shake(views), 0.8 * rms_rate_above_rad_s(real, 1));
+}
+
+TEST_P(BoundedPathThatLooksAhead, ASoftHorizonIsLeveller) {
+  const auto real = rolling_walk();
+  const auto mean_roll = [](const std::vector<SteadyView>& views) {
+    double sum = 0;
+    for (const SteadyView& view : views) sum += std::abs(roll_rad(view.steady.q_world_camera));
+    return sum / static_cast<double>(views.size());
+  };
+  const ZoomChoice zoom{1.3, 1.3};
+  const auto soft = with_horizon(Horizon::soft, real, GetParam(), zoom);
+  EXPECT_LT(mean_roll(soft), 0.5 * mean_roll(bounded(real, GetParam(), zoom)));
+  for (std::size_t i = 0; i < soft.size(); ++i) {
+    EXPECT_LE(frame_of(real[i]).required_zoom(soft[i].steady.q_world_camera), zoom.most) << i;
   }
 }
 

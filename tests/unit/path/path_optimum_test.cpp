@@ -21,8 +21,8 @@ std::vector<PathTarget> swing(double amplitude_rad, double hz) {
   std::vector<PathTarget> targets(kFrames);
   for (std::size_t i = 0; i < kFrames; ++i) {
     const double t_s = static_cast<double>(i) * kInterval_s;
-    targets[i].real = {t_s,
-                       Vector3d(0, amplitude_rad * std::sin(2 * std::numbers::pi * hz * t_s), 0)};
+    targets[i].real_turn_rad = {0, amplitude_rad * std::sin(2 * std::numbers::pi * hz * t_s), 0};
+    targets[i].aim = {t_s, targets[i].real_turn_rad};
   }
   return targets;
 }
@@ -37,7 +37,7 @@ std::array<PathPoint, 3> at_rest() {
 
 std::vector<Vector3d> best_views(const PathCost& cost, const std::vector<PathTarget>& targets) {
   std::vector<Vector3d> views;
-  for (const PathTarget& target : targets) views.push_back(target.real.turn_rad);
+  for (const PathTarget& target : targets) views.push_back(target.real_turn_rad);
   // From so far away it takes more steps than a frame is given.
   PathOptimum optimum;
   for (int i = 0; i < 10; ++i) optimum.find(cost, at_rest(), targets, views);
@@ -120,10 +120,24 @@ TEST(PathOptimum, StaysInsideOfTheRoomAsSteadilyAsThatAllows) {
   give_room(targets, room_rad);
   const auto views = best_views(cost, targets);
   for (std::size_t i = 0; i < views.size(); ++i) {
-    EXPECT_LT(std::abs(views[i].y() - targets[i].real.turn_rad.y()), 0.97 * room_rad) << i;
+    EXPECT_LT(std::abs(views[i].y() - targets[i].real_turn_rad.y()), 0.97 * room_rad) << i;
   }
   // What is left of the swing is what the room does not take: all of it would be .1 rad.
   EXPECT_LT(largest_in_the_middle(views), 1.1 * (amplitude_rad - 0.95 * room_rad));
+}
+
+TEST(PathOptimum, AnAxisCanBeHeldWhileTheOthersAreSmoothed) {
+  std::vector<PathTarget> targets = swing(0.1, 1);
+  for (PathTarget& target : targets) {
+    target.aim.turn_rad.z() = target.aim.turn_rad.y();
+    target.axis = Vector3d::UnitZ();
+    target.axis_pull = 1e9;
+  }
+  const auto views = best_views({}, targets);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    EXPECT_NEAR(views[i].z(), targets[i].aim.turn_rad.z(), 2e-3) << i;
+  }
+  EXPECT_LT(largest_in_the_middle(views), 0.01);
 }
 
 TEST(PathOptimum, DoesNotOvershoot) {
@@ -131,7 +145,7 @@ TEST(PathOptimum, DoesNotOvershoot) {
   cost.overshoot_weight = 1e5;
   std::vector<PathTarget> targets = swing(0, 1);
   for (std::size_t i = 0; i < targets.size(); ++i) {
-    if (i >= kFrames / 2) targets[i].real.turn_rad.y() = 1;
+    if (i >= kFrames / 2) targets[i].aim.turn_rad.y() = 1;
     targets[i].least_rad = Vector3d::Zero();
     targets[i].most_rad = Vector3d(0, 1, 0);
   }
