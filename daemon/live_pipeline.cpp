@@ -65,10 +65,10 @@ Result<std::unique_ptr<LivePipeline>> LivePipeline::start(
   }
   AttitudeEkfParameters ekf;
   ekf.remembered_bias = sources.remembered_bias;
-  auto stabilizer = Stabilizer::create(
-      sources.camera_calibration, sources.imu_calibration,
-      make_attitudes(settings.estimator, Lookahead::nothing(), ekf),
-      make_path(settings, usual_fps(sources.camera_calibration)), stabilizer_options(settings));
+  auto stabilizer = Stabilizer::create(sources.camera_calibration, sources.imu_calibration,
+                                       make_prompt_attitudes(settings.estimator, ekf),
+                                       make_path(settings, usual_fps(sources.camera_calibration)),
+                                       stabilizer_options(settings));
   if (!stabilizer) return tl::unexpected(stabilizer.error());
   if (sources.format.size != sources.camera_calibration.size) {
     return bad_input("the camera delivers another size of picture than its calibration is for");

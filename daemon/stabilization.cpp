@@ -79,6 +79,16 @@ std::unique_ptr<AttitudeStream> make_attitudes(EstimatorKind kind, const Lookahe
   return make_smoothed_stream(parameters);
 }
 
+std::unique_ptr<AttitudeStream> make_prompt_attitudes(EstimatorKind kind,
+                                                      const AttitudeEkfParameters& ekf) {
+  if (kind == EstimatorKind::thesis) return make_causal_stream(std::make_unique<ThesisEkf>());
+  FixedLagSmootherParameters parameters;
+  parameters.ekf = ekf;
+  parameters.lag = SensorDuration::zero();
+  parameters.block = ekf.step;
+  return make_smoothed_stream(parameters);
+}
+
 void take_over_live(const StabilizationSettings& from, StabilizationSettings& to) {
   to.amount = from.amount;
   to.path = from.path;

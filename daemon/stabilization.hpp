@@ -58,6 +58,12 @@ struct Lookahead {
                                                              const Lookahead& lookahead,
                                                              const AttitudeEkfParameters& ekf = {});
 
+/// For frames that cannot wait: no later than the filter's next step, up to which its correction
+/// comes gradually. What the filter says at each sample jumps where it corrects itself, which is
+/// seen inside of a frame as wobble.
+[[nodiscard]] std::unique_ptr<AttitudeStream> make_prompt_attitudes(
+    EstimatorKind kind, const AttitudeEkfParameters& ekf = {});
+
 /// What a person chooses about the picture, for a recording and for a live camera alike.
 struct StabilizationSettings {
   double amount = 1;           ///< 0 (rectified only) to 1

@@ -36,8 +36,9 @@ double rate_of(const std::vector<FrameStamp>& frames) {
 }
 
 /// What the path waits for is all that a limited latency allows.
-Lookahead lookahead(const StabilizeRequest& request) {
-  return request.latency ? Lookahead::nothing() : Lookahead::everything();
+std::unique_ptr<AttitudeStream> attitudes_for(const StabilizeRequest& request) {
+  if (request.latency) return make_prompt_attitudes(request.estimator);
+  return make_attitudes(request.estimator, Lookahead::everything());
 }
 
 /// Three files of three names, none of which the recording is made of.
@@ -148,8 +149,7 @@ Result<void> Job::plan() {
     return bad_input(fmt::format("--reference-row {}: must lie between 0 and {}",
                                  *request_.reference_line, lines - 1));
   }
-  auto stabilizer = Stabilizer::create(*session_.camera, session_.imu,
-                                       make_attitudes(request_.estimator, lookahead(request_)),
+  auto stabilizer = Stabilizer::create(*session_.camera, session_.imu, attitudes_for(request_),
                                        make_path(request_, fps_), stabilizer_options(request_));
   if (!stabilizer) return tl::unexpected(stabilizer.error());
   stabilizer_.emplace(std::move(*stabilizer));

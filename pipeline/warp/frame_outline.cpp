@@ -111,6 +111,21 @@ Eigen::Matrix<double, 2, 3> pixels_per_turn(const OutputProjection& projection,
   return moved;
 }
 
+/// How far the curves that the sides truly are can lie inside of the chords between their points:
+/// an eighth of the second differences.
+double largest_sag(const FrameOutline& outline, const std::vector<Vector2d>& points) {
+  double largest = 0;
+  for (std::size_t side = 0; side < 4; ++side) {
+    const std::size_t begin = outline.side_begin[side];
+    const std::size_t end = side + 1 < 4 ? outline.side_begin[side + 1] : points.size();
+    for (std::size_t i = begin + 1; i < end; ++i) {
+      const Vector2d bend = points[i - 1] - 2 * points[i] + points[(i + 1) % points.size()];
+      largest = std::max(largest, bend.cwiseAbs().maxCoeff() / 8);
+    }
+  }
+  return largest;
+}
+
 }  // namespace
 
 FrameOutline trace_outline(const Lens& lens, ImageSize size, ReadoutDirection direction,
@@ -144,7 +159,8 @@ double required_zoom(const FrameOutline& outline, const Eigen::Quaterniond& q_wo
     least = std::min(least, square_distance(previous, point));
     previous = point;
   }
-  return 1 / least;
+  least -= largest_sag(outline, *polygon);
+  return least > 0 ? 1 / least : kInfinity;
 }
 
 ViewRoom view_room(const FrameOutline& outline, const Quaterniond& q_world_camera,
