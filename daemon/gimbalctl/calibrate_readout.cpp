@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "daemon/gimbalctl/calibration_profile.hpp"
 #include "daemon/gimbalctl/calibrations.hpp"
 #include "daemon/gimbalctl/progress_bar.hpp"
 #include "daemon/gimbalctl/svg_plot.hpp"
@@ -29,7 +30,9 @@ constexpr std::size_t kMostFrames = 150;
 
 struct Arguments {
   std::filesystem::path session;
-  std::filesystem::path plot;  ///< empty: none
+  std::filesystem::path plot;     ///< empty: none
+  std::filesystem::path profile;  ///< empty: none
+  ExistingFile existing = ExistingFile::kept;
   double light_hz = 0;
   bool json = false;
   bool quiet = false;
@@ -117,6 +120,17 @@ Plot bands_plot(const FlashingLight& found) {
   return plot;
 }
 
+Result<void> write_profile(const Arguments& arguments, const Session& session,
+                           const FlashingLight& found) {
+  FittedCalibration fitted;
+  fitted.readout = duration_from_seconds(found.readout_s);
+  const std::string comments = fmt::format(
+      "# readout_s measured {}, {:g} Hz; 95 % lie within {:.6f}.\n",
+      by_whom("calibrate readout", session), arguments.light_hz, 2 * found.readout_sigma_s);
+  return write_calibration_profile(session, fitted, comments, arguments.profile,
+                                   arguments.existing);
+}
+
 Result<void> run(const Arguments& arguments) {
   if (!(arguments.light_hz > 1 && arguments.light_hz < 1e5)) {
     return bad_input("--hz: the light's frequency must lie between 1 and 100000 Hz");
@@ -132,7 +146,9 @@ Result<void> run(const Arguments& arguments) {
   if (!arguments.plot.empty() && !found.spectrum.empty()) {
     if (auto written = write_svg(bands_plot(found), arguments.plot); !written) return written;
   }
-  if (found.reason.empty()) return {};
+  if (found.reason.empty()) {
+    return arguments.profile.empty() ? Result<void>() : write_profile(arguments, *session, found);
+  }
   return bad_input(arguments.session.string() + ": cannot tell: " + found.reason);
 }
 
@@ -151,6 +167,14 @@ void add_calibrate_readout(CLI::App& calibrate, CommandOutcome& outcome) {
       ->add_option("--hz", arguments->light_hz, "Flashes a second, no multiple of the frame rate")
       ->required();
   command->add_option("--plot", arguments->plot, "FILE.svg: how much bands of each number explain");
+  CLI::Option* const write = command->add_option(
+      "--write", arguments->profile,
+      "FILE.toml: the recording's session.toml with the readout time that was found");
+  command
+      ->add_flag_callback(
+          "--overwrite", [arguments] { arguments->existing = ExistingFile::replaced; },
+          "Replace that file if it is there")
+      ->needs(write);
   command->add_flag("--json", arguments->json, "For programs");
   command->add_flag("--quiet", arguments->quiet, "No progress bar");
   command->callback([arguments, &outcome] { outcome = run(*arguments); });

@@ -56,7 +56,7 @@ Result<void> run(const Arguments& arguments) {
     return bad_input(arguments.session.string() + ": cannot tell: " + found.reason);
   }
   if (arguments.profile.empty()) return {};
-  return write_sync_profile(*session, found, arguments.profile, arguments.existing);
+  return write_sync_profile(*session, *found.fit, arguments.profile, arguments.existing);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <toml++/toml.h>
 
 #include <sstream>
+#include <utility>
 
 namespace gimbal {
 namespace {
@@ -30,11 +31,13 @@ Result<std::string> recalibrated_toml(std::string_view session_toml,
   } catch (const toml::parse_error& error) {
     return bad_input("session.toml: " + std::string(error.description()));
   }
-  toml::table& camera = table_in(root, "camera");
-  camera.insert_or_assign("K", rows_of(fitted.K));
-  camera.insert_or_assign("readout_s", to_seconds(fitted.readout));
-  camera.insert_or_assign("time_offset_s", to_seconds(fitted.time_offset));
-  table_in(root, "imu").insert_or_assign("R_camera_imu", rows_of(fitted.R_camera_imu));
+  const auto set = [&](std::string_view table, std::string_view key, auto&& value) {
+    table_in(root, table).insert_or_assign(key, std::forward<decltype(value)>(value));
+  };
+  if (fitted.K) set("camera", "K", rows_of(*fitted.K));
+  if (fitted.readout) set("camera", "readout_s", to_seconds(*fitted.readout));
+  if (fitted.time_offset) set("camera", "time_offset_s", to_seconds(*fitted.time_offset));
+  if (fitted.R_camera_imu) set("imu", "R_camera_imu", rows_of(*fitted.R_camera_imu));
   std::ostringstream text;
   text << root << "\n";
   return text.str();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -9,12 +10,12 @@
 
 namespace gimbal {
 
-/// What a fit of camera and IMU has found.
+/// What a calibration has found, as far as it went.
 struct FittedCalibration {
-  Eigen::Matrix3d K;
-  SensorDuration readout{};
-  SensorDuration time_offset{};
-  Eigen::Matrix3d R_camera_imu;
+  std::optional<Eigen::Matrix3d> K;
+  std::optional<SensorDuration> readout;
+  std::optional<SensorDuration> time_offset;
+  std::optional<Eigen::Matrix3d> R_camera_imu;
 };
 
 /// The text of a session.toml with these values in the place of its own; everything else it says is

@@ -89,11 +89,10 @@ std::vector<SightingPair> make_pairs(const SightingMaker& maker,
   }
   std::stable_sort(points.begin(), points.end(),
                    [](const auto& a, const auto& b) { return a.first->frame < b.first->frame; });
-  const double step =
-      std::max(1.0, static_cast<double>(points.size()) / static_cast<double>(choice.most));
+  const std::size_t count = std::min(points.size(), choice.most);
   std::vector<SightingPair> pairs;
-  for (double at = 0; at < static_cast<double>(points.size()); at += step) {
-    const auto& [first, last] = points[static_cast<std::size_t>(at)];
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto& [first, last] = points[i * points.size() / count];
     const auto from = maker.make(frames[first->frame], *first);
     const auto to = maker.make(frames[last->frame], *last);
     if (from && to) pairs.push_back({*from, *to});

@@ -81,7 +81,7 @@ std::optional<AxesFit> rival_of(const AxesFit& best, const std::vector<AxesFit>&
   std::copy_if(fits.begin(), fits.end(), std::back_inserter(away), [&](const AxesFit& fit) {
     return std::abs(fit.offset_s - best.offset_s) > kRivalAway_s;
   });
-  const auto rival = best_fit(away);
+  auto rival = best_fit(away);
   if (!rival || 1 - rival->explained > kRivalMisfit * (1 - best.explained)) return std::nullopt;
   return rival;
 }

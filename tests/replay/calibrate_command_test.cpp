@@ -115,12 +115,17 @@ TEST_F(Calibrate, TellsTheReadoutOfAFlashingLight) {
   folder_.write("light/session.toml", "device = \"board\"\n");
   folder_.write("light/frames.csv", frames.str());
   const auto run = gimbalctl({"calibrate", "readout", path("light"), "--hz", "407", "--json",
-                              "--plot", path("bands.svg")});
+                              "--plot", path("bands.svg"), "--write", path("found.toml")});
   ASSERT_EQ(run.exit_status, 0) << run.standard_error;
   const Json found = Json::parse(run.standard_output);
   EXPECT_NEAR(found["readout_s"], 0.0241, 0.01 * 0.0241);
   EXPECT_NEAR(found["exposure_s"], 0.4e-3, 0.1e-3);
   EXPECT_TRUE(fs::exists(path("bands.svg")));
+  EXPECT_TRUE(fs::exists(path("found.toml")));
+  const auto again = gimbalctl(
+      {"calibrate", "readout", path("light"), "--hz", "407", "--write", path("found.toml")});
+  EXPECT_EQ(again.exit_status, 2);
+  EXPECT_THAT(again.standard_error, HasSubstr("is there already"));
   EXPECT_EQ(gimbalctl({"calibrate", "readout", path("light"), "--hz", "300.7"}).exit_status, 2);
 }
 

@@ -194,6 +194,20 @@ TEST(Synchronization, NamesLinesThatAreReadTheOtherWay) {
   EXPECT_THAT(synchronize(data, scenario.M_camera_imu).reason, HasSubstr("readout_direction"));
 }
 
+TEST(Synchronization, CountsFromTheInstantThatStampsName) {
+  for (const TimestampReference reference :
+       {TimestampReference::exposure_start, TimestampReference::readout_end}) {
+    TrackScenario scenario = short_scenario(79);
+    scenario.camera.timestamp = reference;
+    scenario.camera.readout_direction = ReadoutDirection::bottom_up;
+    const Synchronization found = synchronize(as_recorded(scenario), scenario.M_camera_imu);
+    ASSERT_EQ(found.reason, "");
+    const JointStep error = error_of(found.fit->parameters, scenario);
+    EXPECT_LT(std::abs(error[JointIndex::offset_s]), 0.3e-3);
+    EXPECT_LT(std::abs(error[JointIndex::readout_s]), 0.3e-3);
+  }
+}
+
 TEST(Synchronization, TheCurveIsLowestAtTheOffset) {
   const TrackScenario scenario = short_scenario(78);
   const Synchronization found = synchronize(as_recorded(scenario), scenario.M_camera_imu);

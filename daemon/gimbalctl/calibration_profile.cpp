@@ -1,0 +1,44 @@
+#include "daemon/gimbalctl/calibration_profile.hpp"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+
+#include <ctime>
+#include <fstream>
+#include <iterator>
+#include <system_error>
+
+#include "daemon/durable_file.hpp"
+#include "drivers/replay/session_toml.hpp"
+
+namespace gimbal {
+namespace {
+
+std::string own_toml(const Session& session) {
+  std::ifstream file(session.folder / "session.toml");
+  if (!file) return format_session_toml(session);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+}  // namespace
+
+std::string by_whom(std::string_view command, const Session& session) {
+  std::error_code ignored;
+  const auto folder = std::filesystem::weakly_canonical(session.folder, ignored);
+  return fmt::format("by gimbalctl {} on {:%Y-%m-%d} to {}", command,
+                     fmt::gmtime(std::time(nullptr)), folder.filename().string());
+}
+
+Result<void> write_calibration_profile(const Session& session, const FittedCalibration& fitted,
+                                       std::string_view comments, const std::filesystem::path& path,
+                                       ExistingFile existing) {
+  std::error_code ignored;
+  if (existing == ExistingFile::kept && std::filesystem::exists(path, ignored)) {
+    return bad_input(path.string() + ": is there already; give another name, or --overwrite");
+  }
+  const auto text = recalibrated_toml(own_toml(session), fitted);
+  if (!text) return tl::unexpected(text.error());
+  return replace_file(path, std::string(comments) + *text);
+}
+
+}  // namespace gimbal

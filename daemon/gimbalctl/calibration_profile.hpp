@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <string_view>
+
+#include "drivers/replay/recalibrated_toml.hpp"
+#include "drivers/replay/session.hpp"
+#include "pipeline/sample/result.hpp"
+
+namespace gimbal {
+
+enum class ExistingFile : std::uint8_t { kept, replaced };
+
+/// "by gimbalctl COMMAND on DATE to SESSION", for the head of a profile.
+[[nodiscard]] std::string by_whom(std::string_view command, const Session& session);
+
+/// Writes what was found as a session.toml, which a session folder and the daemon's
+/// `camera.calibration` take: what the recording's own says, with the fitted values in it, under
+/// comments that say when they were fitted and how well they are known. bad_input if the file is
+/// there and is to be kept.
+[[nodiscard]] Result<void> write_calibration_profile(const Session& session,
+                                                     const FittedCalibration& fitted,
+                                                     std::string_view comments,
+                                                     const std::filesystem::path& path,
+                                                     ExistingFile existing);
+
+}  // namespace gimbal
