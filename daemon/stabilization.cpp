@@ -13,6 +13,9 @@ constexpr double kAutoZoomMost = 1.25;
 /// The same where the horizon has to be level: 20 degrees of roll.
 constexpr double kAutoZoomMostLevel = 1.7;
 
+/// As slowly as a horizon may come to be level without being noticed.
+constexpr SensorDuration kCorrectionMemory = std::chrono::seconds(1);
+
 ZoomChoice zoom_choice(const StabilizationSettings& settings) {
   if (settings.zoom) return {*settings.zoom, *settings.zoom};
   // Other borders fill what crop has to zoom past.
@@ -82,11 +85,7 @@ std::unique_ptr<AttitudeStream> make_attitudes(EstimatorKind kind, const Lookahe
 std::unique_ptr<AttitudeStream> make_prompt_attitudes(EstimatorKind kind,
                                                       const AttitudeEkfParameters& ekf) {
   if (kind == EstimatorKind::thesis) return make_causal_stream(std::make_unique<ThesisEkf>());
-  FixedLagSmootherParameters parameters;
-  parameters.ekf = ekf;
-  parameters.lag = SensorDuration::zero();
-  parameters.block = ekf.step;
-  return make_smoothed_stream(parameters);
+  return make_gradual_stream(ekf, kCorrectionMemory);
 }
 
 void take_over_live(const StabilizationSettings& from, StabilizationSettings& to) {

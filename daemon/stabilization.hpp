@@ -58,9 +58,7 @@ struct Lookahead {
                                                              const Lookahead& lookahead,
                                                              const AttitudeEkfParameters& ekf = {});
 
-/// For frames that cannot wait: no later than the filter's next step, up to which its correction
-/// comes gradually. What the filter says at each sample jumps where it corrects itself, which is
-/// seen inside of a frame as wobble.
+/// For frames that cannot wait: at once, with the filter's corrections coming by and by.
 [[nodiscard]] std::unique_ptr<AttitudeStream> make_prompt_attitudes(
     EstimatorKind kind, const AttitudeEkfParameters& ekf = {});
 

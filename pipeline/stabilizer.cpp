@@ -94,13 +94,18 @@ void Stabilizer::begin_path(std::unique_ptr<CameraPath> path) {
   release_waiting();
   path_ = std::move(path);
   left_path_.clear();
+  last_rectified_ = 1;
 }
 
 void Stabilizer::replace_path(std::unique_ptr<CameraPath> path, const StabilizerOptions& options) {
   path_ = std::move(path);
   options_ = options;
+  last_rectified_ = 1;
   for (const PathFrame& frame : left_path_) path_->push(frame);
-  for (const PathFrame& frame : on_path_) path_->push(frame);
+  for (PathFrame& frame : on_path_) {
+    frame = path_frame(frame.real);  // another border leaves other room
+    path_->push(frame);
+  }
   follow_path();
 }
 
@@ -150,7 +155,8 @@ std::optional<VirtualCamera> Stabilizer::next_camera() {
   const auto [view, fit] = views_.front();
   views_.pop_front();
   VirtualCamera camera = camera_of(view);
-  if (fit == Fit::in_part || last_rectified_ < 1) give_way(camera);
+  const bool crops = options_.border == Border::crop;
+  if (crops && (fit == Fit::in_part || last_rectified_ < 1)) give_way(camera);
   return camera;
 }
 
@@ -172,7 +178,8 @@ bool Stabilizer::shows_border(const VirtualCamera& camera) const {
 }
 
 /// The last resort against a border: a frame that is sheared too much for any view is shown more
-/// as it was taken, down to the frame itself, which fits.
+/// as it was taken, down to the frame itself. Where not even that fits, as where the picture is
+/// wider than the frame, it would be given up for nothing.
 void Stabilizer::give_way(VirtualCamera& camera) {
   const Eigen::Quaterniond real = real_pose(camera.stamp).q_world_camera;
   const auto with_share = [&](double share) {
@@ -183,6 +190,7 @@ void Stabilizer::give_way(VirtualCamera& camera) {
   };
   double fits = std::min(1.0, last_rectified_ + kRectifiedStep);
   if (shows_border(with_share(fits))) {
+    if (shows_border(with_share(0))) return;
     double does_not = fits;
     fits = 0;
     for (int i = 0; i < kHalvings; ++i) {

@@ -1,11 +1,12 @@
 #include "pipeline/path/bounded_path.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 
+#include "pipeline/path/smooth_step.hpp"
 #include "pipeline/path/turn.hpp"
 #include "pipeline/path/view_fit.hpp"
 
@@ -62,6 +63,7 @@ constexpr double kUseOfHardLock = 0.9;
 constexpr double kHoldLevel = 1e7;
 constexpr double kUseOfTurnToLevel = 0.9;
 constexpr double kStretchOfLettingGo = 0.3;
+constexpr double kStretchAtRange = 0.1;
 
 /// A room that the zoom does not give is measured against this one.
 constexpr double kLeastNominalRoom = 0.005;
@@ -73,6 +75,9 @@ constexpr double kPaceStretch_s = 0.5;
 /// Weighs new intervals between frames against those before.
 constexpr double kIntervalShare = 0.05;
 
+/// Where so many frames are missing, nothing is learned of the hand.
+constexpr double kGapIntervals = 5;
+
 double time_of(const FramePose& pose) {
   return seconds_since_epoch(pose.stamp.time);
 }
@@ -82,10 +87,10 @@ PathPoint point_of(const FramePose& pose, const FramePose& origin) {
           world_turn(origin.q_world_camera, pose.q_world_camera)};
 }
 
-/// From 0 to 1 with no kink at either end.
-double smooth_step(double x) {
-  const double t = std::clamp(x, 0.0, 1.0);
-  return t * t * (3 - 2 * t);
+/// What rolls beyond the lock is not level anyway, and is not held.
+double held_in_range(const Quaterniond& q_world_camera, double most_roll_rad) {
+  const double left = 1 - std::abs(roll_rad(q_world_camera)) / most_roll_rad;
+  return smooth_step(left / kStretchAtRange);
 }
 
 /// The zoom at which a turn `d` away from the real camera, in its axes, uses as much of the room as
@@ -120,15 +125,20 @@ BoundedPath::BoundedPath(const BoundedPathParameters& parameters, ZoomChoice zoo
 void BoundedPath::push(PathFrame frame) {
   if (!held_.empty() || !behind_.empty()) {
     const FramePose& before = held_.empty() ? behind_.back() : held_.back().real;
-    const double interval_s = to_seconds(frame.real.stamp.time - before.stamp.time);
-    prediction_.push(world_turn(before.q_world_camera, frame.real.q_world_camera) / interval_s,
-                     interval_s);
-    const double share = interval_s_ > 0 ? kIntervalShare : 1;
-    interval_s_ += share * (interval_s - interval_s_);
+    learn_from(before, frame.real);
   }
   held_.push_back(std::move(frame));
   // At once, not in `pop`: what is pushed later must not matter.
   while (is_enough_held()) release_next();
+}
+
+void BoundedPath::learn_from(const FramePose& before, const FramePose& now) {
+  const double interval_s = to_seconds(now.stamp.time - before.stamp.time);
+  const bool is_gap = interval_s_ > 0 && interval_s > kGapIntervals * interval_s_;
+  if (interval_s <= 0 || is_gap) return;
+  prediction_.push(world_turn(before.q_world_camera, now.q_world_camera) / interval_s, interval_s);
+  const double share = interval_s_ > 0 ? kIntervalShare : 1;
+  interval_s_ += share * (interval_s - interval_s_);
 }
 
 bool BoundedPath::is_enough_held() const {
@@ -165,7 +175,7 @@ void BoundedPath::release_next() {
   PathCost cost;
   cost.smoothing_s = amount_ * std::clamp(kLeastSmoothing_s + kSmoothingPerHorizon * horizon_s(),
                                           kLeastSmoothing_s, kMostSmoothing_s);
-  cost.walls = {kSoftWall, kHardWall};
+  cost.walls = {PathWall{kSoftWall.at, amount_ * kSoftWall.weight}, kHardWall};
   cost.overshoot_weight = kOvershootWeight;
   follow(cost, outlook, *bounded_);
 
@@ -218,7 +228,7 @@ BoundedPath::Outlook BoundedPath::look_ahead() const {
     target.aim = point_of(aim, origin);
     if (lock_.horizon == Horizon::hard) {
       target.axis = roll_per_turn(aim.q_world_camera);
-      target.axis_pull = kHoldLevel;
+      target.axis_pull = kHoldLevel * held_in_range(frame.real.q_world_camera, lock_.most_roll_rad);
     }
     outlook.targets.push_back(target);
   }
@@ -300,7 +310,8 @@ void BoundedPath::furnish(Outlook& outlook, const std::vector<double>& zooms) co
     PathTarget& target = outlook.targets[i];
     const std::size_t known = std::min(i, outlook.known - 1);
     const PathFrame& frame = held_[known];
-    const double nominal = std::max(1 - 1 / zooms[known], kLeastNominalRoom);
+    const double nominal =
+        std::max(1 - frame.room.corner.maxCoeff() / zooms[known], kLeastNominalRoom);
     if (i < outlook.known) target.use = 1 - frame.room.at_zoom(zooms[known]).array() / nominal;
     target.use_per_rad = frame.room.shift_per_rad / nominal *
                          frame.real.q_world_camera.conjugate().toRotationMatrix();

@@ -43,6 +43,7 @@ class BoundedPath final : public CameraPath {
     std::size_t known = 0;
   };
 
+  void learn_from(const FramePose& before, const FramePose& now);
   [[nodiscard]] bool is_enough_held() const;
   void release_next();
   [[nodiscard]] double horizon_s() const;

@@ -1,7 +1,8 @@
 #include "pipeline/path/horizon.hpp"
 
-#include <algorithm>
 #include <cmath>
+
+#include "pipeline/path/smooth_step.hpp"
 
 namespace gimbal {
 namespace {
@@ -13,10 +14,12 @@ using Eigen::Vector3d;
 constexpr double kNoHorizon = 0.1;
 constexpr double kSureHorizon = 0.34;
 
-/// From 0 to 1 with no kink at either end.
-double smooth_step(double x) {
-  const double t = std::clamp(x, 0.0, 1.0);
-  return t * t * (3 - 2 * t);
+/// How much of a roll is taken out: all of it within the lock, then ever less until none is of a
+/// camera that hangs upside down, where left and right are one.
+double taken_out(double roll, double most_roll_rad) {
+  const double beyond = std::abs(roll) - most_roll_rad;
+  if (beyond <= 0) return roll;
+  return std::copysign(most_roll_rad * (1 - beyond / (std::numbers::pi - most_roll_rad)), roll);
 }
 
 /// The world's up in camera axes; a level camera sees it at -y.
@@ -32,12 +35,14 @@ double certainty_of(const Vector3d& up) {
 
 double roll_rad(const Quaterniond& q_world_camera) {
   const Vector3d up = up_in(q_world_camera);
+  constexpr double kNoDirection = 1e-9;
+  if (up.head<2>().norm() < kNoDirection) return 0;
   return std::atan2(-up.x(), -up.y());
 }
 
 Quaterniond levelled(const Quaterniond& q_world_camera, double most_roll_rad) {
   const double certainty = certainty_of(up_in(q_world_camera));
-  const double roll = std::clamp(roll_rad(q_world_camera), -most_roll_rad, most_roll_rad);
+  const double roll = taken_out(roll_rad(q_world_camera), most_roll_rad);
   return q_world_camera * Eigen::AngleAxisd(-certainty * roll, Vector3d::UnitZ());
 }
 

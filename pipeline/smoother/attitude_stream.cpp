@@ -5,6 +5,7 @@
 
 #include "pipeline/estimator/plausibility.hpp"
 #include "pipeline/estimator/spike_gate.hpp"
+#include "pipeline/smoother/gradual_correction.hpp"
 
 namespace gimbal {
 namespace {
@@ -44,7 +45,9 @@ class PlainStream final : public AttitudeStream {
 
 class CausalStream final : public AttitudeStream {
  public:
-  explicit CausalStream(const AttitudeEkfParameters& parameters) : filter_(parameters) {}
+  explicit CausalStream(const AttitudeEkfParameters& parameters,
+                        std::optional<GradualCorrection> correction = std::nullopt)
+      : filter_(parameters), correction_(correction) {}
 
   void push(const ImuSample& sample) override { take(gate_.push(sample)); }
   void finish() override { take(gate_.finish()); }
@@ -62,12 +65,19 @@ class CausalStream final : public AttitudeStream {
       const ImuSample& sample = passed.samples[i];
       const std::size_t skipped = filter_.counts().skipped_gyro;
       filter_.update(sample);
-      if (filter_.counts().skipped_gyro == skipped) ready_.push_back(filter_.predict(sample.time));
+      if (filter_.counts().skipped_gyro != skipped) continue;
+      AttitudeEstimate answer = filter_.predict(sample.time);
+      if (correction_) {
+        answer.attitude.q_world_imu = correction_->follow(
+            answer.attitude, sample.gyro_rad_s - filter_.gyro_bias().bias_rad_s);
+      }
+      ready_.push_back(answer);
     }
   }
 
   SpikeGate gate_;
   AttitudeEkf filter_;
+  std::optional<GradualCorrection> correction_;
   std::deque<AttitudeEstimate> ready_;
 };
 
@@ -107,6 +117,11 @@ std::unique_ptr<AttitudeStream> make_causal_stream(std::unique_ptr<Estimator> es
 
 std::unique_ptr<AttitudeStream> make_causal_stream(const AttitudeEkfParameters& parameters) {
   return std::make_unique<CausalStream>(parameters);
+}
+
+std::unique_ptr<AttitudeStream> make_gradual_stream(const AttitudeEkfParameters& parameters,
+                                                    SensorDuration memory) {
+  return std::make_unique<CausalStream>(parameters, GradualCorrection(memory));
 }
 
 std::unique_ptr<AttitudeStream> make_smoothed_stream(const FixedLagSmootherParameters& parameters) {

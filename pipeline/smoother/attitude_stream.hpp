@@ -46,6 +46,11 @@ class AttitudeStream {
 [[nodiscard]] std::unique_ptr<AttitudeStream> make_causal_stream(
     const AttitudeEkfParameters& parameters);
 
+/// The same for pictures: answers that the filter's corrections reach by and by, see
+/// GradualCorrection. Their covariance is the filter's.
+[[nodiscard]] std::unique_ptr<AttitudeStream> make_gradual_stream(
+    const AttitudeEkfParameters& parameters, SensorDuration memory);
+
 /// The attitude EKF, looking back once the smoother's lag has passed.
 [[nodiscard]] std::unique_ptr<AttitudeStream> make_smoothed_stream(
     const FixedLagSmootherParameters& parameters);

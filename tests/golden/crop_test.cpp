@@ -1,5 +1,5 @@
-// With the border cropped no written pixel may lack a source: ten minutes of the harshest motions,
-// with a rolling shutter of 30 ms, at any zoom and latency.
+// With the border cropped no written pixel may lack a source: a minute of the harshest motions for
+// each zoom and latency, with a rolling shutter of 30 ms.
 
 #include <gtest/gtest.h>
 

@@ -41,8 +41,18 @@ TEST(Horizon, ALevelledCameraLooksTheSameWayWithItsHorizonLevel) {
 }
 
 TEST(Horizon, MoreRollThanTheLockAllowsIsLeft) {
-  EXPECT_NEAR(roll_rad(levelled(camera(0, 90), 45 * kDegree)), 45 * kDegree, 1e-9);
-  EXPECT_NEAR(roll_rad(levelled(camera(0, -100), 45 * kDegree)), -55 * kDegree, 1e-9);
+  // 45 degrees are taken out of 45, none of 180; in between ever less.
+  EXPECT_NEAR(roll_rad(levelled(camera(0, 90), 45 * kDegree)), 60 * kDegree, 1e-9);
+  EXPECT_NEAR(roll_rad(levelled(camera(0, -112.5), 45 * kDegree)), -90 * kDegree, 1e-9);
+}
+
+TEST(Horizon, RollingRightRoundNothingJumps) {
+  Quaterniond before = levelled(camera(10, -200), 45 * kDegree);
+  for (double roll = -200; roll < 200; roll += 0.1) {
+    const Quaterniond now = levelled(camera(10, roll), 45 * kDegree);
+    EXPECT_LT(now.angularDistance(before), 0.2 * kDegree) << roll;
+    before = now;
+  }
 }
 
 TEST(Horizon, RollPerTurnIsItsDerivative) {

@@ -1,0 +1,43 @@
+#include "pipeline/smoother/gradual_correction.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace gimbal {
+namespace {
+
+using Eigen::Quaterniond;
+using Eigen::Vector3d;
+
+/// Over a longer hole the gyroscope leads nowhere.
+constexpr double kLongestBridge_s = 0.1;
+
+constexpr double kShareOfAge = 0.5;
+
+Quaterniond turn_by(const Vector3d& rotation_rad) {
+  const double angle_rad = rotation_rad.norm();
+  if (angle_rad == 0) return Quaterniond::Identity();
+  return Quaterniond(Eigen::AngleAxisd(angle_rad, rotation_rad / angle_rad));
+}
+
+}  // namespace
+
+Quaterniond GradualCorrection::follow(const Attitude& estimate, const Vector3d& rate_rad_s) {
+  Quaterniond shown = estimate.q_world_imu;
+  if (last_) {
+    const double interval_s = to_seconds(estimate.time - last_->attitude.time);
+    if (interval_s <= kLongestBridge_s) {
+      const Vector3d mean_rad_s = (last_->rate_rad_s + rate_rad_s) / 2;
+      const Quaterniond led = last_->attitude.q_world_imu * turn_by(interval_s * mean_rad_s);
+      age_s_ += interval_s;
+      const double memory_s = std::min(memory_s_, kShareOfAge * age_s_);
+      shown = led.slerp(-std::expm1(-interval_s / memory_s), estimate.q_world_imu).normalized();
+    } else {
+      age_s_ = 0;
+    }
+  }
+  last_ = Shown{{estimate.time, shown}, rate_rad_s};
+  return shown;
+}
+
+}  // namespace gimbal
