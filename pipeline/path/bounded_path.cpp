@@ -127,6 +127,8 @@ void BoundedPath::push(PathFrame frame) {
     const FramePose& before = held_.empty() ? behind_.back() : held_.back().real;
     learn_from(before, frame.real);
   }
+  least_zooms_.push_back(
+      zoom_.is_fixed() ? 1 : needed_zoom(frame.required_zoom, frame.real.q_world_camera));
   held_.push_back(std::move(frame));
   // At once, not in `pop`: what is pushed later must not matter.
   while (is_enough_held()) release_next();
@@ -188,6 +190,7 @@ void BoundedPath::release_next() {
 
   behind_.push_back(frame.real);
   held_.pop_front();
+  least_zooms_.pop_front();
   while (time_of(behind_.back()) - time_of(behind_.front()) > kRange_s) behind_.pop_front();
 }
 
@@ -298,7 +301,8 @@ std::vector<double> BoundedPath::plan_zooms(const Outlook& outlook) {
     const Quaterniond& real = held_[i].real.q_world_camera;
     const Quaterniond& view = unbounded_->planned[i];
     needs[i].zoom =
-        wanted_zoom(held_[i].room, real.conjugate() * world_turn(real, view), wanted_use);
+        std::max(least_zooms_[i],
+                 wanted_zoom(held_[i].room, real.conjugate() * world_turn(real, view), wanted_use));
   }
   return zoom_.plan(needs);
 }

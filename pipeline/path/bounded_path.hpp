@@ -62,8 +62,9 @@ class BoundedPath final : public CameraPath {
   PathLatency latency_;
   double interval_s_ = 0;  ///< typical, from frame to frame
 
-  std::deque<PathFrame> held_;    ///< frames whose views are still to come
-  std::deque<FramePose> behind_;  ///< the camera at the last ones that came
+  std::deque<PathFrame> held_;      ///< frames whose views are still to come
+  std::deque<double> least_zooms_;  ///< of the held frames, that their own camera's view needs
+  std::deque<FramePose> behind_;    ///< the camera at the last ones that came
   RatePrediction prediction_;
   PathOptimum optimum_;
   std::optional<Track> bounded_;
