@@ -12,7 +12,7 @@ using Eigen::Vector3d;
 /// Over a longer hole the gyroscope leads nowhere.
 constexpr double kLongestBridge_s = 0.1;
 
-constexpr double kShareOfAge = 0.5;
+constexpr double kShareOfAge = 1;
 
 Quaterniond turn_by(const Vector3d& rotation_rad) {
   const double angle_rad = rotation_rad.norm();
