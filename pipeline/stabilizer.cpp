@@ -50,7 +50,7 @@ Stabilizer::Stabilizer(const CameraCalibration& camera, const ImuCalibration& im
                        const StabilizerOptions& options)
     : camera_(camera),
       q_imu_camera_(Eigen::Quaterniond(imu.R_camera_imu).normalized().conjugate()),
-      lens_(std::move(lens)),
+      lens_(std::make_shared<const Lens>(std::move(lens))),
       timing_(camera),
       options_(options),
       reference_line_(options.reference_line.value_or((timing_.line_count() - 1) / 2.0)),
@@ -206,9 +206,9 @@ WarpMesh Stabilizer::mesh_for(const VirtualCamera& camera) const {
   const LineOrientation orientation = orientation_of(camera.stamp, camera.rectified);
   const ChosenDensity chosen =
       options_.mesh ? ChosenDensity{*options_.mesh, std::nullopt}
-                    : choose_mesh_density(lens_, camera_.size, camera_.readout_direction,
+                    : choose_mesh_density(*lens_, camera_.size, camera_.readout_direction,
                                           orientation, camera);
-  WarpMesh mesh = build_warp_mesh(lens_, camera_.size, camera_.readout_direction, orientation,
+  WarpMesh mesh = build_warp_mesh(*lens_, camera_.size, camera_.readout_direction, orientation,
                                   camera, camera_.size, options_.border, chosen.density);
   mesh.error_px = chosen.error_px;
   return mesh;
@@ -262,18 +262,18 @@ PinholeIntrinsics Stabilizer::unzoomed() const {
 }
 
 OutputProjection Stabilizer::unzoomed_projection() const {
-  return {options_.output_lens, lens_, unzoomed()};
+  return {options_.output_lens, *lens_, unzoomed()};
 }
 
 FrameOutline Stabilizer::outline_of(const FrameStamp& stamp, double rectified) const {
-  return trace_outline(lens_, camera_.size, camera_.readout_direction,
+  return trace_outline(*lens_, camera_.size, camera_.readout_direction,
                        orientation_of(stamp, rectified), kOutlinePointsPerSide);
 }
 
 PathFrame Stabilizer::path_frame(const FramePose& real) const {
-  FrameOutline outline = outline_of(real.stamp, 1);
+  auto outline = std::make_shared<const FrameOutline>(outline_of(real.stamp, 1));
   PathFrame frame{
-      real, view_room(outline, real.q_world_camera, unzoomed_projection(), camera_.size), nullptr};
+      real, view_room(*outline, real.q_world_camera, unzoomed_projection(), camera_.size), nullptr};
   if (options_.border != Border::crop) {
     // Filled borders let any view do, but a picture that is all border is none.
     frame.room.corner /= kFilledRoomZoom;
@@ -283,7 +283,7 @@ PathFrame Stabilizer::path_frame(const FramePose& real) const {
   frame.required_zoom = [outline = std::move(outline), lens = lens_, output = options_.output_lens,
                          intrinsics = unzoomed(),
                          size = camera_.size](const Eigen::Quaterniond& q_world_camera) {
-    return required_zoom(outline, q_world_camera, {output, lens, intrinsics}, size);
+    return required_zoom(*outline, q_world_camera, {output, *lens, intrinsics}, size);
   };
   return frame;
 }

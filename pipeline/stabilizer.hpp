@@ -128,7 +128,7 @@ class Stabilizer {
 
   CameraCalibration camera_;
   Eigen::Quaterniond q_imu_camera_;
-  Lens lens_;
+  std::shared_ptr<const Lens> lens_;  ///< shared with what frames on the path keep of it
   RowTiming timing_;
   StabilizerOptions options_;
   double reference_line_;

@@ -53,6 +53,7 @@ class CameraPath {
   CameraPath& operator=(const CameraPath&) = delete;
   virtual ~CameraPath() = default;
 
+  /// Stamps rise strictly.
   virtual void push(PathFrame frame) = 0;
 
   /// No more frames come: what is held is released by `pop`.

@@ -15,7 +15,7 @@ namespace gimbal {
 /// to die away.
 class RatePrediction {
  public:
-  /// A second at 30 fps: as long as a pair of steps.
+  /// A second at 30 fps: as long as a pair of steps. At higher rates it sees less far back.
   static constexpr Eigen::Index kOrder = 30;
 
   RatePrediction();

@@ -38,8 +38,8 @@ struct FrameOutline {
                                    const OutputProjection& unzoomed, ImageSize output_size);
 
 /// How far a view may turn away from `q_world_camera`, with the frame's sides taken as straight:
-/// each lies at its innermost point. Limits that cannot be told, where the camera does not see all
-/// of the outline, are left out.
+/// each lies at its innermost point. Where the camera does not see all of the outline nothing can
+/// be told, and any view is given room.
 [[nodiscard]] ViewRoom view_room(const FrameOutline& outline,
                                  const Eigen::Quaterniond& q_world_camera,
                                  const OutputProjection& unzoomed, ImageSize output_size);
