@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <utility>
 
-#include "drivers/synthetic/rotation.hpp"
+#include "pipeline/sample/rotation.hpp"
 
 namespace gimbal {
 namespace {

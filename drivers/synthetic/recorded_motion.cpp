@@ -10,9 +10,9 @@
 #include <numbers>
 #include <utility>
 
-#include "drivers/synthetic/rotation.hpp"
 #include "drivers/synthetic/world.hpp"
 #include "pipeline/sample/imu_sample.hpp"
+#include "pipeline/sample/rotation.hpp"
 #include "pipeline/sample/upright.hpp"
 
 namespace gimbal {

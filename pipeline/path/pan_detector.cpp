@@ -2,16 +2,9 @@
 
 #include <algorithm>
 
+#include "pipeline/sample/rotation.hpp"
+
 namespace gimbal {
-namespace {
-
-/// Angle times axis, in the camera's axes at `from`.
-Eigen::Vector3d rotation_vector(const Eigen::Quaterniond& from, const Eigen::Quaterniond& to) {
-  const Eigen::AngleAxisd turn(from.conjugate() * to);
-  return turn.angle() * turn.axis();
-}
-
-}  // namespace
 
 PanDetector::PanDetector(const PanDetectorParameters& parameters) : parameters_(parameters) {}
 
@@ -20,7 +13,8 @@ std::optional<std::size_t> PanDetector::update(SensorTime time,
   const Pose now{time, q_world_camera};
   const Pose before = last_.value_or(now);
   last_ = now;
-  const Eigen::Vector3d turn_rad = rotation_vector(before.q_world_camera, q_world_camera);
+  const Eigen::Vector3d turn_rad =
+      quaternion_log(before.q_world_camera.conjugate() * q_world_camera);
   const double allowance_rad = parameters_.held_rate_rad_s * to_seconds(time - before.time);
 
   std::optional<std::size_t> began;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "pipeline/sample/rotation.hpp"
+
 namespace gimbal {
 namespace {
 
@@ -14,12 +16,6 @@ constexpr double kLongestBridge_s = 0.1;
 
 constexpr double kShareOfAge = 1;
 
-Quaterniond turn_by(const Vector3d& rotation_rad) {
-  const double angle_rad = rotation_rad.norm();
-  if (angle_rad == 0) return Quaterniond::Identity();
-  return Quaterniond(Eigen::AngleAxisd(angle_rad, rotation_rad / angle_rad));
-}
-
 }  // namespace
 
 Quaterniond GradualCorrection::follow(const Attitude& estimate, const Vector3d& rate_rad_s) {
@@ -28,7 +24,7 @@ Quaterniond GradualCorrection::follow(const Attitude& estimate, const Vector3d& 
     const double interval_s = to_seconds(estimate.time - last_->attitude.time);
     if (interval_s <= kLongestBridge_s) {
       const Vector3d mean_rad_s = (last_->rate_rad_s + rate_rad_s) / 2;
-      const Quaterniond led = last_->attitude.q_world_imu * turn_by(interval_s * mean_rad_s);
+      const Quaterniond led = last_->attitude.q_world_imu * quaternion_exp(interval_s * mean_rad_s);
       age_s_ += interval_s;
       const double memory_s = std::min(memory_s_, kShareOfAge * age_s_);
       shown = led.slerp(-std::expm1(-interval_s / memory_s), estimate.q_world_imu).normalized();

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "pipeline/sync/rotation.hpp"
+#include "pipeline/sample/rotation.hpp"
 
 namespace gimbal {
 namespace {
@@ -25,7 +25,7 @@ std::vector<RatePair> rates_at(const std::vector<VisualTurn>& turns, const GyroI
     if (!gyro.covers(from_s, to_s)) continue;
     const Eigen::Quaterniond q_from_to =
         gyro.at(from_s)->q_start_imu.conjugate() * gyro.at(to_s)->q_start_imu;
-    rates.push_back({turn.rate_rad_s, turn_vector(q_from_to) / (to_s - from_s)});
+    rates.push_back({turn.rate_rad_s, quaternion_log(q_from_to) / (to_s - from_s)});
   }
   return rates;
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include "pipeline/sync/rotation.hpp"
+#include "pipeline/sample/rotation.hpp"
 
 namespace gimbal {
 namespace {
@@ -87,7 +87,8 @@ Eigen::Vector3d GyroIntegral::Segment::rate(double u) const {
 Eigen::Quaterniond GyroIntegral::Segment::turned(double u) const {
   const double uu = u * u;
   return q_start_imu *
-         turn_by(length_s * (rate_rad_s * Eigen::Vector4d(u, uu / 2, uu * u / 3, uu * uu / 4)));
+         quaternion_exp(length_s *
+                        (rate_rad_s * Eigen::Vector4d(u, uu / 2, uu * u / 3, uu * uu / 4)));
 }
 
 const GyroIntegral::Segment* GyroIntegral::segment_at(double time_s) const {

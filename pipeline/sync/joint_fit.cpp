@@ -9,9 +9,9 @@
 #include <cmath>
 #include <utility>
 
+#include "pipeline/sample/rotation.hpp"
 #include "pipeline/sync/gyro_integral.hpp"
 #include "pipeline/sync/pair_residual.hpp"
-#include "pipeline/sync/rotation.hpp"
 
 namespace gimbal {
 namespace {
@@ -50,7 +50,7 @@ JointParameters moved(const JointParameters& from, const JointStep& step) {
   JointParameters to = from;
   to.offset_s += step[JointIndex::offset_s];
   to.readout_s += step[JointIndex::readout_s];
-  to.R_camera_imu = turn_by(step.segment<3>(JointIndex::axes_rad)) * from.R_camera_imu;
+  to.R_camera_imu = quaternion_exp(step.segment<3>(JointIndex::axes_rad)) * from.R_camera_imu;
   to.gyro_bias_rad_s += step.segment<3>(JointIndex::bias_rad_s);
   to.focal_scale *= std::exp(step[JointIndex::log_focal]);
   return to;

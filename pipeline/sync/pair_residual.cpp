@@ -3,7 +3,8 @@
 #include <Eigen/Geometry>
 #include <optional>
 
-#include "pipeline/sync/rotation.hpp"
+#include "pipeline/sample/rotation.hpp"
+#include "pipeline/sync/cross_matrix.hpp"
 
 namespace gimbal {
 namespace {
@@ -34,10 +35,10 @@ std::optional<PairResidual::Turned> PairResidual::turn(const JointStep& step) co
   if (!from || !to) return std::nullopt;
   Turned turned{*from, *to, {}, {}, {}, {}, {}, {}};
   turned.R_camera_imu =
-      turn_by(step.segment<3>(JointIndex::axes_rad)).toRotationMatrix() * at_.R_camera_imu;
+      quaternion_exp(step.segment<3>(JointIndex::axes_rad)).toRotationMatrix() * at_.R_camera_imu;
   turned.R_camera_start = turned.R_camera_imu * to->q_start_imu.toRotationMatrix().transpose();
-  const Eigen::Quaterniond bias_between =
-      turn_by((to->bias_lever_s - from->bias_lever_s) * step.segment<3>(JointIndex::bias_rad_s));
+  const Eigen::Quaterniond bias_between = quaternion_exp((to->bias_lever_s - from->bias_lever_s) *
+                                                         step.segment<3>(JointIndex::bias_rad_s));
   turned.R_to_from = turned.R_camera_start * (bias_between * from->q_start_imu).toRotationMatrix() *
                      turned.R_camera_imu.transpose();
   turned.ray_from = with_focal(pair_.from, step[JointIndex::log_focal]);

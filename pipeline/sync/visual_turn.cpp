@@ -6,7 +6,8 @@
 #include <optional>
 #include <span>
 
-#include "pipeline/sync/rotation.hpp"
+#include "pipeline/sample/rotation.hpp"
+#include "pipeline/sync/cross_matrix.hpp"
 
 namespace gimbal {
 namespace {
@@ -48,7 +49,7 @@ Eigen::Quaterniond improved(std::span<const SightingPair> pairs,
     gradient += weight * by_turn.transpose() * miss;
   }
   const Eigen::Vector3d step = normal.ldlt().solve(gradient);
-  return (turn_by(-step) * q_to_from).normalized();
+  return (quaternion_exp(-step) * q_to_from).normalized();
 }
 
 /// Nothing if no turn suits enough of the corners.
@@ -82,7 +83,7 @@ std::vector<VisualTurn> visual_turns(const std::vector<SightingPair>& pairs, dou
     const double to_middle_s = readout_s * (0.5 + (one.from.line < 0 ? -1.0 : 0.0));
     const double length_s = one.to.stamp_s - one.from.stamp_s;
     turns.push_back({one.from.stamp_s + to_middle_s, one.to.stamp_s + to_middle_s,
-                     -turn_vector(*q_to_from) / length_s});
+                     -quaternion_log(*q_to_from) / length_s});
   }
   return turns;
 }

@@ -7,7 +7,7 @@
 #include <array>
 #include <set>
 
-#include "pipeline/sync/rotation.hpp"
+#include "pipeline/sample/rotation.hpp"
 
 namespace gimbal {
 namespace {
@@ -29,7 +29,7 @@ std::vector<Eigen::Matrix3d> all_axes() {
 }
 
 TEST(Axes, AreRecognisedUpToATiltOfThirtyDegrees) {
-  const Eigen::Matrix3d tilt = turn_by(Eigen::Vector3d(0.3, -0.2, 0.35)).toRotationMatrix();
+  const Eigen::Matrix3d tilt = quaternion_exp(Eigen::Vector3d(0.3, -0.2, 0.35)).toRotationMatrix();
   for (const Eigen::Matrix3d& axes : all_axes()) EXPECT_EQ(nearest_axes(tilt * axes), axes);
 }
 

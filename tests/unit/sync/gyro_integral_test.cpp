@@ -4,7 +4,7 @@
 
 #include "drivers/synthetic/hand_motion.hpp"
 #include "drivers/synthetic/motion.hpp"
-#include "pipeline/sync/rotation.hpp"
+#include "pipeline/sample/rotation.hpp"
 
 namespace gimbal {
 namespace {
@@ -50,7 +50,7 @@ TEST(GyroIntegral, TellsHowTheOrientationDependsOnTheBias) {
   const Eigen::Vector3d step(1e-5, -2e-5, 3e-5);
   const GyroState without = *GyroIntegral(samples, kZero, Eigen::Vector3d::Zero()).at(2.34567);
   const GyroState with = *GyroIntegral(samples, kZero, step).at(2.34567);
-  const Eigen::Vector3d turned = turn_vector(with.q_start_imu * without.q_start_imu.conjugate());
+  const Eigen::Vector3d turned = quaternion_log(with.q_start_imu * without.q_start_imu.conjugate());
   EXPECT_LT((turned + without.bias_lever_s * step).norm(), 0.002 * turned.norm());
 }
 

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "pipeline/sync/rotation.hpp"
+#include "pipeline/sample/rotation.hpp"
 #include "tests/support/synthetic_tracks.hpp"
 
 namespace gimbal {

@@ -11,8 +11,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "pipeline/sample/rotation.hpp"
 #include "pipeline/sync/pair_residual.hpp"
-#include "pipeline/sync/rotation.hpp"
 #include "tests/support/synthetic_tracks.hpp"
 
 namespace gimbal {
@@ -29,7 +29,7 @@ constexpr double kDegree = std::numbers::pi / 180;
 Eigen::Matrix3d askew() {
   Eigen::Matrix3d axes;
   axes << 0, -1, 0, -1, 0, 0, 0, 0, -1;
-  return turn_by(Eigen::Vector3d(0.02, -0.03, 0.01)).toRotationMatrix() * axes;
+  return quaternion_exp(Eigen::Vector3d(0.02, -0.03, 0.01)).toRotationMatrix() * axes;
 }
 
 TrackScenario scenario_of(int seed) {
@@ -61,7 +61,7 @@ JointStep error_of(const JointParameters& found, const TrackScenario& truth) {
   JointStep error;
   error[JointIndex::offset_s] = found.offset_s - to_seconds(truth.camera.time_offset);
   error[JointIndex::readout_s] = found.readout_s - to_seconds(truth.camera.readout);
-  error.segment<3>(JointIndex::axes_rad) = turn_vector(
+  error.segment<3>(JointIndex::axes_rad) = quaternion_log(
       Eigen::Quaterniond(Eigen::Matrix3d(found.R_camera_imu * truth.M_camera_imu.transpose())));
   error.segment<3>(JointIndex::bias_rad_s) = found.gyro_bias_rad_s - truth.gyro_bias_rad_s;
   error[JointIndex::log_focal] = std::log(found.focal_scale / kFocalWrong);

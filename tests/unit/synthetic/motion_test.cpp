@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "drivers/synthetic/random.hpp"
-#include "drivers/synthetic/rotation.hpp"
+#include "pipeline/sample/rotation.hpp"
 
 namespace gimbal {
 namespace {

@@ -1,4 +1,4 @@
-#include "drivers/synthetic/rotation.hpp"
+#include "pipeline/sample/rotation.hpp"
 
 #include <cmath>
 
