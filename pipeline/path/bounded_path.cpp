@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 constexpr double kUsualInterval_s = 1 / 30.0;
 
 /// No view depends on frames further ahead than that, whatever the latency.
-constexpr double kLongestHorizon_s = 2;
+constexpr double kLongestHorizon_s = 4;
 
 // Turns are measured as rotation vectors from the next view's camera, which are no good near half a
 // turn: what lies beyond an about-turn is not looked at yet.
@@ -28,7 +28,7 @@ constexpr double kFarthestTurn_rad = 2;
 // Of the smoothing time T: a path that knows little of the future must be ready to give way.
 constexpr double kLeastSmoothing_s = 0.17;
 constexpr double kSmoothingPerHorizon = 0.5;
-constexpr double kMostSmoothing_s = 0.5;
+constexpr double kMostSmoothing_s = 1;
 
 // How far ahead frames are guessed where they are not known.
 constexpr double kLongestGuess_s = 0.67;
@@ -37,22 +37,24 @@ constexpr double kLessGuessPerHorizon = 0.45;
 constexpr double kGuessConfidence = 0.3;
 constexpr double kConfidenceFades_s = 0.25;
 
-/// From half of the room on a view is pulled back gently, just before the frame's edge for good.
-constexpr PathWall kSoftWall = {0.5, 30};
-constexpr PathWall kHardWall = {0.97, 1e6};
+/// From half of the room on a view is pulled back gently, at the frame's edge for good. That gives
+/// a little, so that a stiff path's plan does not turn on a frame; what is too much is taken off.
+constexpr PathWall kSoftWall = {0.5, 10};
+constexpr PathWall kHardWall = {1, 3e5};
 
 // The stretch around a frame whose turns its view keeps to, and by how much it may exceed them.
 constexpr double kRange_s = 0.4;
 constexpr double kOvershoot_rad = 0.6 * std::numbers::pi / 180;
-constexpr double kOvershootWeight = 1e5;
+constexpr double kOvershootWeight_per_s3 = 8e5;
 
 // A camera that stays within this share of its room for as long is meant to stand: its view then
 // hardly follows.
 constexpr double kStandingShare = 0.6;
 constexpr double kLeastPull = 0.02;
 
-/// A zoom is chosen so that the path without walls would use this much of the room: walls take off
+/// A zoom is chosen so that a path without walls would use this much of the room: walls take off
 /// what is beyond so gently that a larger zoom would not pay.
+constexpr double kSmoothingWithoutWalls_s = 0.5;
 constexpr double kWantedUse = 1.3;
 
 /// A horizon that is kept whatever happens has to fit as it is.
@@ -68,9 +70,10 @@ constexpr double kStretchAtRange = 0.1;
 /// A room that the zoom does not give is measured against this one.
 constexpr double kLeastNominalRoom = 0.005;
 
-/// The turn over this stretch tells the camera's pace; that over less of it says more of its shake,
-/// and counts for less.
-constexpr double kPaceStretch_s = 0.5;
+/// The turn over such a stretch tells the camera's pace; that over less of it says more of its
+/// shake, and counts for less.
+constexpr double kLeastPaceStretch_s = 0.5;
+constexpr double kMostPaceStretch_s = 1;
 
 /// Weighs new intervals between frames against those before.
 constexpr double kIntervalShare = 0.05;
@@ -178,14 +181,15 @@ void BoundedPath::release_next() {
   cost.smoothing_s = amount_ * std::clamp(kLeastSmoothing_s + kSmoothingPerHorizon * horizon_s(),
                                           kLeastSmoothing_s, kMostSmoothing_s);
   cost.walls = {PathWall{kSoftWall.at, amount_ * kSoftWall.weight}, kHardWall};
-  cost.overshoot_weight = kOvershootWeight;
+  // Stiff paths take more to be held.
+  cost.overshoot_weight = kOvershootWeight_per_s3 * std::pow(cost.smoothing_s, 3);
   follow(cost, outlook, *bounded_);
 
   const PathFrame& frame = held_.front();
-  FramePose& view = bounded_->last.back();
+  const FramePose& view = bounded_->last.back();
   const Quaterniond& real = frame.real.q_world_camera;
   const double share = fitting_share(frame.required_zoom, real, view.q_world_camera, zooms[0]);
-  if (share > 0) view.q_world_camera = real.slerp(share, view.q_world_camera);
+  if (share > 0 && share < 1) shift(*bounded_, real.slerp(share, view.q_world_camera));
   ready_.push_back({view, zooms[0]});
 
   behind_.push_back(frame.real);
@@ -197,11 +201,12 @@ void BoundedPath::release_next() {
 /// As if the view had come along with the camera, as far as it is known where that goes.
 void BoundedPath::start_tracks() {
   const FramePose first = aim_of(held_.front().real);
+  const double stretch_s = std::clamp(horizon_s(), kLeastPaceStretch_s, kMostPaceStretch_s);
   Vector3d rate_rad_s = Vector3d::Zero();
   for (const PathFrame& frame : held_) {
     const PathPoint ahead = point_of(aim_of(frame.real), first);
-    if (ahead.time_s > kPaceStretch_s) break;
-    rate_rad_s = ahead.turn_rad / kPaceStretch_s;
+    if (ahead.time_s > stretch_s) break;
+    rate_rad_s = ahead.turn_rad / stretch_s;
   }
   Track track;
   const double interval_s = interval_s_ > 0 ? interval_s_ : kUsualInterval_s;
@@ -294,7 +299,7 @@ std::vector<double> BoundedPath::plan_zooms(const Outlook& outlook) {
   }
   if (zoom_.is_fixed()) return zoom_.plan(needs);
   PathCost cost;
-  cost.smoothing_s = amount_ * kMostSmoothing_s;
+  cost.smoothing_s = amount_ * kSmoothingWithoutWalls_s;
   follow(cost, outlook, *unbounded_);
   const double wanted_use = lock_.horizon == Horizon::hard ? kUseOfHardLock : kWantedUse;
   for (std::size_t i = 0; i < outlook.known; ++i) {
@@ -325,6 +330,13 @@ void BoundedPath::furnish(Outlook& outlook, const std::vector<double>& zooms) co
     const double share = moved * use_per_rad / kStandingShare;
     target.pull = std::clamp(share * share * share * share, kLeastPull, 1.0);
   }
+}
+
+/// What the frame's edge takes from a view is taken from those before it alike: what goes on is the
+/// pace that was planned, and not the jerk of giving way, which a stiff plan would swing with.
+void BoundedPath::shift(Track& track, const Quaterniond& q_world_last) {
+  const Quaterniond shift = q_world_last * track.last.back().q_world_camera.conjugate();
+  for (FramePose& pose : track.last) pose.q_world_camera = shift * pose.q_world_camera;
 }
 
 /// Plans a track anew and goes one frame along.

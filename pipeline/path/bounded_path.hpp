@@ -54,6 +54,7 @@ class BoundedPath final : public CameraPath {
   void furnish(Outlook& outlook, const std::vector<double>& zooms) const;
   [[nodiscard]] std::vector<double> plan_zooms(const Outlook& outlook);
   void follow(const PathCost& cost, const Outlook& outlook, Track& track);
+  static void shift(Track& track, const Eigen::Quaterniond& q_world_last);
   void start_tracks();
 
   double amount_;

@@ -15,27 +15,20 @@ constexpr int kMostHalvings = 14;
 /// A fortieth of a pixel at 1200 pixels a radian.
 constexpr double kSmallStep_rad = 2e-5;
 
-/// Weights of the points at times t, newest first, in the path's derivatives at the newest one.
-struct Derivatives {
-  std::array<double, 4> first{};
-  std::array<double, 4> second{};
-  std::array<double, 4> third{};
-};
-
-/// By divided differences: intervals need not be alike.
-Derivatives derivatives(const std::array<double, 4>& t) {
-  const auto weight = [&](std::size_t i, std::size_t points) {
+/// Weights of the points at times t, newest first, in the derivative of the order `order` at the
+/// newest one, by divided differences: intervals need not be alike.
+std::array<double, PathOptimum::kPoints> derivative(
+    std::size_t order, const std::array<double, PathOptimum::kPoints>& t) {
+  constexpr std::array<double, PathOptimum::kPoints> kFactorial = {1, 1, 2, 6};
+  std::array<double, PathOptimum::kPoints> weights{};
+  for (std::size_t i = 0; i <= order; ++i) {
     double product = 1;
-    for (std::size_t j = 0; j < points; ++j) {
+    for (std::size_t j = 0; j <= order; ++j) {
       if (j != i) product *= t[i] - t[j];
     }
-    return 1 / product;
-  };
-  Derivatives d;
-  for (std::size_t i = 0; i < 2; ++i) d.first[i] = weight(i, 2);
-  for (std::size_t i = 0; i < 3; ++i) d.second[i] = 2 * weight(i, 3);
-  for (std::size_t i = 0; i < 4; ++i) d.third[i] = 6 * weight(i, 4);
-  return d;
+    weights[i] = kFactorial[order] / product;
+  }
+  return weights;
 }
 
 Limits use_of(const PathTarget& target, const Vector3d& view_rad) {
@@ -62,31 +55,46 @@ double largest(const std::vector<Vector3d>& vectors) {
 
 }  // namespace
 
-void PathOptimum::weigh_smoothness(double smoothing_s, std::span<const PathPoint, 3> past,
+void PathOptimum::weigh_smoothness(double smoothing_s, Past past,
                                    std::span<const PathTarget> targets) {
-  const double T2 = smoothing_s * smoothing_s;
-  smoothness_.assign(targets.size(), {});
-  from_past_.assign(targets.size(), Vector3d::Zero());
-  interval_s_.resize(targets.size());
+  constexpr std::array<double, kOrders> kWeight = {3, 3, 1};
   const auto time = [&](std::size_t i) {
     return i < past.size() ? past[i].time_s : targets[i - past.size()].aim.time_s;
   };
+  roughness_.assign(targets.size(), {});
+  stiffness_.assign(targets.size(), {});
+  interval_s_.resize(targets.size());
+  for (std::size_t i = 0; i < past.size(); ++i) past_rad_[i] = past[i].turn_rad;
   for (std::size_t i = 0; i < targets.size(); ++i) {
-    const Derivatives d = derivatives({time(i + 3), time(i + 2), time(i + 1), time(i)});
-    interval_s_[i] = time(i + 3) - time(i + 2);
-    for (std::size_t a = 0; a <= reach_back(i); ++a) {
-      for (std::size_t b = a; b <= BlockBand::kReach; ++b) {
-        const double weight = interval_s_[i] * T2 *
-                              (3 * d.first[a] * d.first[b] +
-                               T2 * (3 * d.second[a] * d.second[b] + T2 * d.third[a] * d.third[b]));
-        if (b <= i) {
-          smoothness_[i - a][b - a] += weight;
-        } else {
-          from_past_[i - a] += weight * past[i + past.size() - b].turn_rad;
+    const std::array<double, kPoints> t = {time(i + 3), time(i + 2), time(i + 1), time(i)};
+    interval_s_[i] = t[0] - t[1];
+    double scale = std::sqrt(interval_s_[i]);
+    for (std::size_t order = 1; order <= kOrders; ++order) {
+      scale *= smoothing_s;
+      auto& weights = roughness_[i][order - 1];
+      weights = derivative(order, t);
+      for (double& weight : weights) weight *= scale * std::sqrt(kWeight[order - 1]);
+      for (std::size_t a = 0; a <= reach_back(i); ++a) {
+        for (std::size_t b = a; b <= reach_back(i); ++b) {
+          stiffness_[i - a][b - a] += weights[a] * weights[b];
         }
       }
     }
   }
+}
+
+PathOptimum::Roughness PathOptimum::roughness(std::size_t i,
+                                              const std::vector<Vector3d>& views_rad) const {
+  Roughness rough;
+  for (std::size_t order = 0; order < kOrders; ++order) {
+    Vector3d sum = Vector3d::Zero();
+    for (std::size_t back = 0; back <= order + 1; ++back) {
+      const Vector3d& view = back <= i ? views_rad[i - back] : past_rad_[kOrders + i - back];
+      sum += roughness_[i][order][back] * view;
+    }
+    rough[order] = sum;
+  }
+  return rough;
 }
 
 double PathOptimum::cost_of(const PathCost& cost, std::span<const PathTarget> targets,
@@ -95,16 +103,12 @@ double PathOptimum::cost_of(const PathCost& cost, std::span<const PathTarget> ta
   for (std::size_t i = 0; i < targets.size(); ++i) {
     const PathTarget& target = targets[i];
     const Vector3d& view = views_rad[i];
-    Vector3d pulled = smoothness_[i][0] * view + 2 * from_past_[i];
-    for (std::size_t back = 1; back <= reach_back(i); ++back) {
-      pulled += 2 * smoothness_[i][back] * views_rad[i - back];
-    }
+    for (const Vector3d& rough : roughness(i, views_rad)) sum += rough.squaredNorm();
     const Vector3d off = view - target.aim.turn_rad;
     const Limits use = use_of(target, view);
     double walls = 0;
     for (const PathWall& wall : cost.walls) walls += wall.weight * beyond(wall, use).squaredNorm();
-    sum += pulled.dot(view) +
-           interval_s_[i] * (target.pull * off.squaredNorm() +
+    sum += interval_s_[i] * (target.pull * off.squaredNorm() +
                              target.axis_pull * off.dot(target.axis) * off.dot(target.axis) +
                              target.confidence * rad2_per_use2_ * walls +
                              cost.overshoot_weight * overshoot(target, view).squaredNorm());
@@ -113,13 +117,13 @@ double PathOptimum::cost_of(const PathCost& cost, std::span<const PathTarget> ta
 }
 
 void PathOptimum::pull_smooth(std::size_t i, const std::vector<Vector3d>& views_rad) {
+  const Roughness rough = roughness(i, views_rad);
   for (std::size_t back = 0; back <= reach_back(i); ++back) {
-    const double weight = smoothness_[i][back];
-    hessian_.block(i, back).diagonal().array() += weight;
-    step_rad_[i] -= weight * views_rad[i - back];
-    if (back > 0) step_rad_[i - back] -= weight * views_rad[i];
+    hessian_.block(i, back).diagonal().array() += stiffness_[i][back];
+    for (std::size_t order = 0; order < kOrders; ++order) {
+      step_rad_[i - back] -= roughness_[i][order][back] * rough[order];
+    }
   }
-  step_rad_[i] -= from_past_[i];
 }
 
 void PathOptimum::find_step(const PathCost& cost, std::span<const PathTarget> targets,
@@ -155,8 +159,8 @@ void PathOptimum::find_step(const PathCost& cost, std::span<const PathTarget> ta
   hessian_.solve_in_place(step_rad_);
 }
 
-void PathOptimum::find(const PathCost& cost, std::span<const PathPoint, 3> past,
-                       std::span<const PathTarget> targets, std::vector<Vector3d>& views_rad) {
+void PathOptimum::find(const PathCost& cost, Past past, std::span<const PathTarget> targets,
+                       std::vector<Vector3d>& views_rad) {
   weigh_smoothness(cost.smoothing_s, past, targets);
   const double use2_per_rad2 = targets[0].use_per_rad.squaredNorm() / ViewRoom::kLimits;
   rad2_per_use2_ = use2_per_rad2 > 0 ? 1 / use2_per_rad2 : 0;

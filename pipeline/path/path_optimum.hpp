@@ -59,24 +59,36 @@ struct PathCost {
 /// search, a step of which costs time in proportion to the number of frames.
 class PathOptimum {
  public:
+  static constexpr std::size_t kOrders = BlockBand::kReach;  ///< of derivatives that are weighed
+  static constexpr std::size_t kPoints = kOrders + 1;        ///< that the last of them takes
+
+  /// Oldest first.
+  using Past = std::span<const PathPoint, kOrders>;
+
   /// Improves `views_rad`, one for each of `targets`, until they are the optimum or time is up.
-  /// `past` are the three views before, which stay as they are. All times rise strictly.
-  void find(const PathCost& cost, std::span<const PathPoint, 3> past,
-            std::span<const PathTarget> targets, std::vector<Eigen::Vector3d>& views_rad);
+  /// `past` are the views before, which stay as they are. All times rise strictly.
+  void find(const PathCost& cost, Past past, std::span<const PathTarget> targets,
+            std::vector<Eigen::Vector3d>& views_rad);
 
  private:
-  void weigh_smoothness(double smoothing_s, std::span<const PathPoint, 3> past,
-                        std::span<const PathTarget> targets);
+  /// The path's derivatives at a view, weighed.
+  using Roughness = std::array<Eigen::Vector3d, kOrders>;
+
+  void weigh_smoothness(double smoothing_s, Past past, std::span<const PathTarget> targets);
+  [[nodiscard]] Roughness roughness(std::size_t i,
+                                    const std::vector<Eigen::Vector3d>& views_rad) const;
   [[nodiscard]] double cost_of(const PathCost& cost, std::span<const PathTarget> targets,
                                const std::vector<Eigen::Vector3d>& views_rad) const;
   void find_step(const PathCost& cost, std::span<const PathTarget> targets,
                  const std::vector<Eigen::Vector3d>& views_rad);
   void pull_smooth(std::size_t i, const std::vector<Eigen::Vector3d>& views_rad);
 
-  // Of the smoothness' quadratic form, which treats all axes alike: the lower band of its matrix,
-  // and what the views of the past add to its gradient.
-  std::vector<std::array<double, BlockBand::kReach + 1>> smoothness_;
-  std::vector<Eigen::Vector3d> from_past_;
+  // What each point has in the derivatives, newest first. The cost and its slope are computed from
+  // the derivatives themselves: their squares' matrix, which treats all axes alike, only leads to
+  // the next step, since at the path's slow end rounding drowns it.
+  std::vector<std::array<std::array<double, kPoints>, kOrders>> roughness_;
+  std::vector<std::array<double, kPoints>> stiffness_;  ///< lower band
+  std::array<Eigen::Vector3d, kOrders> past_rad_;
   std::vector<double> interval_s_;
   double rad2_per_use2_ = 0;
 

@@ -12,7 +12,8 @@ namespace gimbal {
 /// corrects itself, most of all while it still finds out which way is up; inside of a frame, rows
 /// apart, that is seen as wobble. Here each answer is where the gyroscope leads from the one
 /// before, drawn to the filter's with a time constant: what is right comes late, the turn from row
-/// to row is the gyroscope's. A filter that began lately knows little, and is followed faster.
+/// to row is the gyroscope's. A filter that began lately knows little, and is followed faster, but
+/// never by more than six degrees a second.
 class GradualCorrection {
  public:
   explicit GradualCorrection(SensorDuration memory) : memory_s_(to_seconds(memory)) {}

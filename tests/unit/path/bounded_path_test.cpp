@@ -46,17 +46,17 @@ PathFrame frame_of(const FramePose& pose) {
           }};
 }
 
-FramePose pose_at(std::int64_t index, const Quaterniond& q_world_camera) {
-  return {{index, time_from_seconds(100 + static_cast<double>(index) / kFps), std::nullopt},
+FramePose pose_at(std::int64_t index, const Quaterniond& q_world_camera, double fps = kFps) {
+  return {{index, time_from_seconds(100 + static_cast<double>(index) / fps), std::nullopt},
           q_world_camera};
 }
 
-std::vector<FramePose> clip(const HandModel& hand, int seconds, std::uint64_t seed = 1) {
-  const Motion motion = make_hand_motion(hand, std::chrono::seconds(seconds), seed);
+std::vector<FramePose> clip(const HandModel& hand, int seconds, double fps = kFps) {
+  const Motion motion = make_hand_motion(hand, std::chrono::seconds(seconds), 1);
   std::vector<FramePose> poses;
-  for (std::int64_t i = 0; i < static_cast<std::int64_t>(seconds * kFps); ++i) {
+  for (std::int64_t i = 0; i < static_cast<std::int64_t>(seconds * fps); ++i) {
     poses.push_back(
-        pose_at(i, motion.at(time_from_seconds(static_cast<double>(i) / kFps)).q_world_camera));
+        pose_at(i, motion.at(time_from_seconds(static_cast<double>(i) / fps)).q_world_camera, fps));
   }
   return poses;
 }
@@ -208,6 +208,14 @@ TEST(BoundedPath, LittleLatencyCostsAtMostTwice) {
   const double best = shake(bounded(real, std::nullopt));
   EXPECT_LT(shake(bounded(real, 15)), 1.5 * best);
   EXPECT_LT(shake(bounded(real, 5)), 2 * best);
+}
+
+TEST(BoundedPath, IsAsSteadyAtAnyRate) {
+  const double usual = shake(bounded(clip(walking_hand(), 10), std::nullopt));
+  for (const double fps : {60.0, 120.0}) {
+    EXPECT_NEAR(shake(bounded(clip(walking_hand(), 10, fps), std::nullopt)), usual, 0.1 * usual)
+        << fps;
+  }
 }
 
 /// Breathes and trembles, a third of a degree to either side.
