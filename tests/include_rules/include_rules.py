@@ -12,6 +12,7 @@ from pathlib import Path
 
 # What a stage stands on, beside itself, `sample` and `queue`.
 STAGE_STANDS_ON = {
+    "intrinsics": {"lens"},
     "smoother": {"estimator"},
     "sink": {"gstreamer"},
     "sync": {"lens", "timing"},
@@ -40,7 +41,7 @@ SYSTEM_HEADER_HOMES = [
     (r"(EGL|GLES\d?|GL|KHR)/.*|gbm\.h|drm.*", r"pipeline/warp"),
     (r"hwy/.*", r"pipeline/warp"),
     (r"gst/.*|glib.*", r"pipeline/(gstreamer|sink)|drivers/replay"),
-    (r"opencv2/.*", r"pipeline/sync"),
+    (r"opencv2/.*", r"pipeline/(sync|intrinsics)"),
     (r"ceres/.*", r"pipeline/sync"),
     (r"linux/(videodev2|v4l2-.*|media.*)\.h", r"drivers/v4l2"),
     (r"libcamera/.*", r"drivers/libcamera"),
