@@ -8,6 +8,7 @@ void add_calibrate_command(CLI::App& app, CommandOutcome& outcome) {
       app.add_subcommand("calibrate", "Measure what a camera or an IMU is like");
   calibrate->require_subcommand(1);
   add_calibrate_imu(*calibrate, outcome);
+  add_calibrate_intrinsics(*calibrate, outcome);
   add_calibrate_readout(*calibrate, outcome);
 }
 

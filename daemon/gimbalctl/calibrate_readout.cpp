@@ -127,7 +127,7 @@ Result<void> write_profile(const Arguments& arguments, const Session& session,
   const std::string comments = fmt::format(
       "# readout_s measured {}, {:g} Hz; 95 % lie within {:.6f}.\n",
       by_whom("calibrate readout", session), arguments.light_hz, 2 * found.readout_sigma_s);
-  return write_calibration_profile(session, fitted, comments, arguments.profile,
+  return write_calibration_profile(own_toml(session), fitted, comments, arguments.profile,
                                    arguments.existing);
 }
 

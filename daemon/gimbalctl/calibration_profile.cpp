@@ -12,7 +12,6 @@
 #include "drivers/replay/session_toml.hpp"
 
 namespace gimbal {
-namespace {
 
 std::string own_toml(const Session& session) {
   std::ifstream file(session.folder / "session.toml");
@@ -20,23 +19,25 @@ std::string own_toml(const Session& session) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-}  // namespace
+std::string by_whom(std::string_view command, std::string_view source) {
+  return fmt::format("by gimbalctl {} on {:%Y-%m-%d} to {}", command,
+                     fmt::gmtime(std::time(nullptr)), source);
+}
 
 std::string by_whom(std::string_view command, const Session& session) {
   std::error_code ignored;
-  const auto folder = std::filesystem::weakly_canonical(session.folder, ignored);
-  return fmt::format("by gimbalctl {} on {:%Y-%m-%d} to {}", command,
-                     fmt::gmtime(std::time(nullptr)), folder.filename().string());
+  return by_whom(command,
+                 std::filesystem::weakly_canonical(session.folder, ignored).filename().string());
 }
 
-Result<void> write_calibration_profile(const Session& session, const FittedCalibration& fitted,
+Result<void> write_calibration_profile(std::string_view known_toml, const FittedCalibration& fitted,
                                        std::string_view comments, const std::filesystem::path& path,
                                        ExistingFile existing) {
   std::error_code ignored;
   if (existing == ExistingFile::kept && std::filesystem::exists(path, ignored)) {
     return bad_input(path.string() + ": is there already; give another name, or --overwrite");
   }
-  const auto text = recalibrated_toml(own_toml(session), fitted);
+  const auto text = recalibrated_toml(known_toml, fitted);
   if (!text) return tl::unexpected(text.error());
   return replace_file(path, std::string(comments) + *text);
 }

@@ -13,14 +13,18 @@ namespace gimbal {
 
 enum class ExistingFile : std::uint8_t { kept, replaced };
 
-/// "by gimbalctl COMMAND on DATE to SESSION", for the head of a profile.
+/// "by gimbalctl COMMAND on DATE to SOURCE", for the head of a profile.
+[[nodiscard]] std::string by_whom(std::string_view command, std::string_view source);
 [[nodiscard]] std::string by_whom(std::string_view command, const Session& session);
 
+/// The recording's session.toml; one in its place where it has none.
+[[nodiscard]] std::string own_toml(const Session& session);
+
 /// Writes what was found as a session.toml, which a session folder and the daemon's
-/// `camera.calibration` take: what the recording's own says, with the fitted values in it, under
-/// comments that say when they were fitted and how well they are known. bad_input if the file is
-/// there and is to be kept.
-[[nodiscard]] Result<void> write_calibration_profile(const Session& session,
+/// `camera.calibration` take: what was known before, with the fitted values in it, under comments
+/// that say when they were fitted and how well they are known. bad_input if the file is there and
+/// is to be kept.
+[[nodiscard]] Result<void> write_calibration_profile(std::string_view known_toml,
                                                      const FittedCalibration& fitted,
                                                      std::string_view comments,
                                                      const std::filesystem::path& path,

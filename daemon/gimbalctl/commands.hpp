@@ -24,7 +24,7 @@ std::vector<std::string> names_of(const std::map<std::string, Value>& choices) {
 
 /// status, set, reload and metrics: of a running daemon.
 void add_live_commands(CLI::App& app, CommandOutcome& outcome);
-/// calibrate imu and readout
+/// calibrate imu, intrinsics and readout
 void add_calibrate_command(CLI::App& app, CommandOutcome& outcome);
 void add_devices_command(CLI::App& app, CommandOutcome& outcome);
 void add_sessions_command(CLI::App& app, CommandOutcome& outcome);

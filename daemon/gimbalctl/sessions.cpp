@@ -14,6 +14,7 @@
 
 #include "daemon/gimbalctl/commands.hpp"
 #include "daemon/gimbalctl/stabilize_report.hpp"
+#include "drivers/replay/calibration_keys.hpp"
 #include "drivers/replay/import/importer.hpp"
 #include "drivers/replay/lens_file.hpp"
 #include "drivers/replay/session.hpp"
@@ -104,18 +105,6 @@ Json log_as_json(const std::vector<Sample>& samples) {
           {"last_s", seconds_since_epoch(samples.back().time)}};
 }
 
-const char* model_name(LensModel model) {
-  switch (model) {
-    case LensModel::pinhole:
-      return "pinhole";
-    case LensModel::brown:
-      return "brown";
-    case LensModel::fisheye:
-      return "fisheye";
-  }
-  return "";
-}
-
 Json matrix_as_json(const Eigen::Matrix3d& M) {
   Json rows = Json::array();
   for (Eigen::Index r = 0; r < 3; ++r) rows.push_back({M(r, 0), M(r, 1), M(r, 2)});
@@ -134,7 +123,7 @@ Json camera_as_json(const Session& session) {
             {"K", nullptr},
             {"distortion", nullptr}};
   if (session.camera) {
-    json["model"] = model_name(camera->lens.model);
+    json["model"] = name_of(lens_model_names(), camera->lens.model);
     json["K"] = matrix_as_json(camera->lens.K);
     json["distortion"] = camera->lens.distortion;
   }
@@ -191,9 +180,9 @@ void print_camera(const Session& session) {
                                     to_seconds(camera->time_offset) * 1e3));
   if (!session.camera) return print_field("lens", "not calibrated");
   const Eigen::Matrix3d& K = camera->lens.K;
-  print_field("lens",
-              fmt::format("{}, fx {:.1f} fy {:.1f} cx {:.1f} cy {:.1f}",
-                          model_name(camera->lens.model), K(0, 0), K(1, 1), K(0, 2), K(1, 2)));
+  print_field("lens", fmt::format("{}, fx {:.1f} fy {:.1f} cx {:.1f} cy {:.1f}",
+                                  name_of(lens_model_names(), camera->lens.model), K(0, 0), K(1, 1),
+                                  K(0, 2), K(1, 2)));
 }
 
 void print_versions(const Session& session) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -12,6 +11,7 @@
 #include <utility>
 
 #include "daemon/gimbalctl/data_files.hpp"
+#include "daemon/gimbalctl/picture_size.hpp"
 #include "drivers/replay/replay_camera.hpp"
 #include "drivers/replay/session_toml.hpp"
 #include "drivers/synthetic/hand_motion.hpp"
@@ -67,20 +67,6 @@ Result<Motion> load_recorded_motion(const SimulationOptions& options) {
 }
 
 // --- camera -----------------------------------------------------------------------------------
-
-Result<ImageSize> parse_size(const std::string& text) {
-  ImageSize size;
-  const char* const end = text.data() + text.size();
-  const auto width = std::from_chars(text.data(), end, size.width);
-  if (width.ec == std::errc() && width.ptr != end && *width.ptr == 'x') {
-    const auto height = std::from_chars(width.ptr + 1, end, size.height);
-    const bool whole = height.ec == std::errc() && height.ptr == end;
-    const auto fits = [](int side) { return side >= 16 && side <= 8192 && side % 2 == 0; };
-    if (whole && fits(size.width) && fits(size.height)) return size;
-  }
-  return bad_input(fmt::format(
-      "--size {}: write WIDTHxHEIGHT, such as 1280x720, each even and from 16 to 8192", text));
-}
 
 /// The same view in another size: K with pixel centres at whole coordinates.
 void resize(CameraCalibration& camera, ImageSize size) {
@@ -232,7 +218,7 @@ Result<Session> load_camera(const SimulationOptions& options) {
   }
   CameraCalibration& camera = *session.camera;
   if (!options.size.empty()) {
-    const Result<ImageSize> size = parse_size(options.size);
+    const Result<ImageSize> size = parse_picture_size(options.size);
     if (!size) return tl::unexpected(size.error());
     resize(camera, *size);
   }

@@ -41,7 +41,7 @@ std::string comments(const Session& session, const JointFit& fit) {
 
 Result<void> write_sync_profile(const Session& session, const JointFit& fit,
                                 const std::filesystem::path& path, ExistingFile existing) {
-  return write_calibration_profile(session, fitted_calibration(session, fit.parameters),
+  return write_calibration_profile(own_toml(session), fitted_calibration(session, fit.parameters),
                                    comments(session, fit), path, existing);
 }
 

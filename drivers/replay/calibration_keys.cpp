@@ -14,6 +14,9 @@ constexpr double kLongestImuDelay_s = 1.0;
 /// Offsets between the epochs of two clocks can be decades; more does not fit.
 constexpr double kLongestOffset_s = 4e9;
 
+constexpr std::array<NamedValue<LensModel>, 3> kLensModels{{{"pinhole", LensModel::pinhole},
+                                                            {"brown", LensModel::brown},
+                                                            {"fisheye", LensModel::fisheye}}};
 constexpr std::array<NamedValue<ReadoutDirection>, 4> kDirections{
     {{"top-down", ReadoutDirection::top_down},
      {"bottom-up", ReadoutDirection::bottom_up},
@@ -25,6 +28,10 @@ constexpr std::array<NamedValue<TimestampReference>, 3> kTimestamps{
      {"readout-end", TimestampReference::readout_end}}};
 
 }  // namespace
+
+std::span<const NamedValue<LensModel>> lens_model_names() {
+  return kLensModels;
+}
 
 std::span<const NamedValue<ReadoutDirection>> readout_direction_names() {
   return kDirections;

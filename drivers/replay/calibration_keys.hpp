@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -12,8 +13,17 @@ namespace gimbal {
 
 // Keys of a calibration, as session.toml and the daemon's configuration have them.
 
+[[nodiscard]] std::span<const NamedValue<LensModel>> lens_model_names();
 [[nodiscard]] std::span<const NamedValue<ReadoutDirection>> readout_direction_names();
 [[nodiscard]] std::span<const NamedValue<TimestampReference>> timestamp_names();
+
+/// Precondition: the value has a name.
+template <typename T>
+std::string_view name_of(std::span<const NamedValue<T>> names, T value) {
+  const auto found = std::find_if(names.begin(), names.end(),
+                                  [&](const NamedValue<T>& named) { return named.value == value; });
+  return found->name;
+}
 
 /// Nothing where the key is not there, or is refused.
 [[nodiscard]] std::optional<SensorDuration> read_duration(TomlTable& table, std::string_view key,

@@ -12,7 +12,9 @@ namespace gimbal {
 
 /// What a calibration has found, as far as it went.
 struct FittedCalibration {
+  std::optional<ImageSize> size;
   std::optional<Eigen::Matrix3d> K;
+  std::optional<LensParameters> lens;  ///< with a K of its own
   std::optional<SensorDuration> readout;
   std::optional<SensorDuration> time_offset;
   std::optional<Eigen::Matrix3d> R_camera_imu;

@@ -25,21 +25,11 @@ constexpr int kLargestSide_px = 65535;
 /// A frame, and what rounding adds.
 constexpr double kLongestReadout_frames = 1.01;
 
-constexpr std::array<NamedValue<LensModel>, 3> kLensModels{{{"pinhole", LensModel::pinhole},
-                                                            {"brown", LensModel::brown},
-                                                            {"fisheye", LensModel::fisheye}}};
 constexpr std::array<NamedValue<double>, 2> kAccelUnits{
     {{"m/s2", 1.0}, {"g", kStandardGravity_m_s2}}};
 /// CoreMotion's numbers have the sign of gravity: face up reads (0, 0, -1).
 constexpr std::array<NamedValue<double>, 2> kAccelSigns{
     {{"specific-force", 1.0}, {"core-motion", -1.0}}};
-
-template <typename T>
-std::string_view name_of(std::span<const NamedValue<T>> names, T value) {
-  const auto found = std::find_if(names.begin(), names.end(),
-                                  [&](const NamedValue<T>& named) { return named.value == value; });
-  return found->name;
-}
 
 /// All of [camera] but K, whose presence decides whether the lens is calibrated.
 CameraCalibration read_camera_without_K(TomlTable& table) {
@@ -48,7 +38,8 @@ CameraCalibration read_camera_without_K(TomlTable& table) {
   camera.size.height = table.integer("height", 1, kLargestSide_px).value_or(0);
   camera.fps = table.number("fps").value_or(0);
   if (camera.fps < 0 || camera.fps > 1e5) table.refuse("fps", "must be between 0 and 100000");
-  camera.lens.model = table.choice<LensModel>("model", kLensModels).value_or(LensModel::pinhole);
+  camera.lens.model =
+      table.choice<LensModel>("model", lens_model_names()).value_or(LensModel::pinhole);
   camera.lens.distortion = table.numbers("distortion").value_or(std::vector<double>{});
   camera.readout = read_readout(table).value_or(SensorDuration{});
   camera.readout_direction =
@@ -171,7 +162,7 @@ std::string format_lens(const LensParameters& lens) {
   distortion.reserve(lens.distortion.size());
   for (const double coefficient : lens.distortion) distortion.push_back(format_float(coefficient));
   return fmt::format("model = \"{}\"\nK = {}\ndistortion = [{}]\n",
-                     name_of<LensModel>(kLensModels, lens.model), format_matrix(lens.K),
+                     name_of(lens_model_names(), lens.model), format_matrix(lens.K),
                      fmt::join(distortion, ", "));
 }
 

@@ -14,7 +14,8 @@ ccache=$3
 compile() {
   in_tree "$toolchain" "$ccache" /bin/bash -euc '
     cmake -S /source -B /build -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX=/usr \
-      -DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DGIMBALD_SHARED_DIR=
+      -DCMAKE_CXX_COMPILER_LAUNCHER=ccache -DGIMBALD_SHARED_DIR= \
+      -DGIMBALD_OPENCV=OFF -DGIMBALD_CERES=OFF
     cmake --build /build --target gimbald gimbalctl hardware_programs
     rm -rf /program /build/*.deb
     cd /build && cpack -G DEB
