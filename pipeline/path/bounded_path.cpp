@@ -274,7 +274,7 @@ void BoundedPath::guess_further(Outlook& outlook) const {
   const auto count = static_cast<std::size_t>(std::lround(guess_s / interval_s));
   const Vector3d forward = held_[outlook.known - 1].real.q_world_camera * Vector3d::UnitZ();
   const double known_until_s = outlook.targets.back().aim.time_s;
-  for (const Vector3d& rate_rad_s : prediction_.next(count)) {
+  for (const Vector3d& rate_rad_s : prediction_.next(count, interval_s)) {
     PathTarget target = outlook.targets.back();
     target.aim.time_s += interval_s;
     const Vector3d turn_rad = interval_s * rate_rad_s;

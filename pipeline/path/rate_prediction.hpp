@@ -15,7 +15,8 @@ namespace gimbal {
 /// to die away.
 class RatePrediction {
  public:
-  /// A second at 30 fps: as long as a pair of steps. At higher rates it sees less far back.
+  /// A second, as long as a pair of steps: what comes faster is taken together to steps of a
+  /// thirtieth.
   static constexpr Eigen::Index kOrder = 30;
 
   RatePrediction();
@@ -23,8 +24,8 @@ class RatePrediction {
   /// The mean rate, rad/s, from one frame to the next, `interval_s` later.
   void push(const Eigen::Vector3d& rate_rad_s, double interval_s);
 
-  /// The rates of the next `count` intervals; zero until enough has been seen.
-  [[nodiscard]] std::vector<Eigen::Vector3d> next(std::size_t count) const;
+  /// The rates of the next `count` intervals, each so long; zero until enough has been seen.
+  [[nodiscard]] std::vector<Eigen::Vector3d> next(std::size_t count, double interval_s) const;
 
  private:
   /// Normal equations of one axis.
@@ -34,12 +35,19 @@ class RatePrediction {
   };
   using History = Eigen::Matrix<double, kOrder, 1>;  ///< newest first
 
+  void take_step(const Eigen::Vector3d& rate_rad_s, double step_s);
   [[nodiscard]] History history(int axis) const;
+  [[nodiscard]] std::vector<Eigen::Vector3d> next_steps(std::size_t count) const;
 
   std::array<Axis, 3> axes_;
   std::deque<Eigen::Vector3d> last_rad_s_;  ///< newest first, kOrder at most
   double largest_rad_s_ = 0;                ///< fading
   std::size_t fitted_ = 0;
+
+  // Of the step that is not full yet.
+  Eigen::Vector3d turned_rad_ = Eigen::Vector3d::Zero();
+  double passed_s_ = 0;
+  double step_s_ = 0;  ///< of the last full one
 };
 
 }  // namespace gimbal

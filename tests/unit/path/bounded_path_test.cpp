@@ -216,6 +216,11 @@ TEST(BoundedPath, IsAsSteadyAtAnyRate) {
     EXPECT_NEAR(shake(bounded(clip(walking_hand(), 10, fps), std::nullopt)), usual, 0.1 * usual)
         << fps;
   }
+  const double soon = shake(bounded(clip(walking_hand(), 10), 6));
+  for (const double fps : {60.0, 120.0}) {
+    const auto as_late = static_cast<std::size_t>(6 * fps / kFps);
+    EXPECT_LT(shake(bounded(clip(walking_hand(), 10, fps), as_late)), 1.15 * soon) << fps;
+  }
 }
 
 /// Breathes and trembles, a third of a degree to either side.
