@@ -19,7 +19,7 @@ constexpr double kShareOfAge = 1;
 
 /// Slow enough that nobody sees the picture turn with what the filter finds out, above all in its
 /// first moments; level within seconds all the same.
-constexpr double kFastest_rad_s = 6 * std::numbers::pi / 180;
+constexpr double kFastest_rad_s = 4 * std::numbers::pi / 180;
 
 }  // namespace
 

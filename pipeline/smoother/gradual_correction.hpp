@@ -13,7 +13,7 @@ namespace gimbal {
 /// apart, that is seen as wobble. Here each answer is where the gyroscope leads from the one
 /// before, drawn to the filter's with a time constant: what is right comes late, the turn from row
 /// to row is the gyroscope's. A filter that began lately knows little, and is followed faster, but
-/// never by more than six degrees a second.
+/// never by more than four degrees a second.
 class GradualCorrection {
  public:
   explicit GradualCorrection(SensorDuration memory) : memory_s_(to_seconds(memory)) {}
