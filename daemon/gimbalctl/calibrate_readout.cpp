@@ -2,18 +2,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "daemon/gimbalctl/calibration_profile.hpp"
 #include "daemon/gimbalctl/calibrations.hpp"
+#include "daemon/gimbalctl/camera_options.hpp"
+#include "daemon/gimbalctl/flash_recording.hpp"
+#include "daemon/gimbalctl/line_profiles.hpp"
 #include "daemon/gimbalctl/progress_bar.hpp"
 #include "daemon/gimbalctl/svg_plot.hpp"
 #include "daemon/gimbalctl/warnings.hpp"
@@ -28,43 +30,34 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostFrames = 150;
 
+constexpr double kMostJitter = 0.05;  // of a flash's period
+
 struct Arguments {
-  std::filesystem::path session;
+  std::filesystem::path session;  ///< empty: through the camera
+  CameraOptions camera;
+  std::string line;
   std::filesystem::path plot;     ///< empty: none
   std::filesystem::path profile;  ///< empty: none
   ExistingFile existing = ExistingFile::kept;
   double light_hz = 0;
   bool json = false;
   bool quiet = false;
+
+  [[nodiscard]] ProgressStyle progress() const {
+    return quiet ? ProgressStyle::quiet : ProgressStyle::automatic;
+  }
+  [[nodiscard]] std::string source_name() const {
+    return session.empty() ? camera.camera : session.string();
+  }
 };
 
-/// Linear light of each value of luma (ITU-R BT.709's transfer, inverted).
-std::array<double, 256> linear_light() {
-  std::array<double, 256> light{};
-  for (std::size_t value = 0; value < light.size(); ++value) {
-    const double signal = static_cast<double>(value) / 255;
-    light.at(value) = signal < 0.081 ? signal / 4.5 : std::pow((signal + 0.099) / 1.099, 1 / 0.45);
-  }
-  return light;
-}
-
-/// Mean of each row, or of each column for sensors that read columns, in the order of readout.
-LineProfile profile_of(const VideoFrame& frame, ReadoutDirection direction) {
-  static const std::array<double, 256> light_of = linear_light();
-  LineProfile profile;
-  profile.time_s = seconds_since_epoch(frame.stamp.time);
-  profile.light.resize(static_cast<std::size_t>(line_count(frame.size, direction)));
-  for (int y = 0; y < frame.size.height; ++y) {
-    const std::uint8_t* const row = frame.planes[0].data + y * frame.planes[0].stride_bytes;
-    for (int x = 0; x < frame.size.width; ++x) {
-      profile.light[static_cast<std::size_t>(reads_rows(direction) ? y : x)] += light_of.at(row[x]);
-    }
-  }
-  const bool is_backwards =
-      direction == ReadoutDirection::bottom_up || direction == ReadoutDirection::right_left;
-  if (is_backwards) std::reverse(profile.light.begin(), profile.light.end());
-  return profile;
-}
+/// What was seen of the light, and what is known of it.
+struct Sight {
+  std::optional<Session> session;      ///< that was recorded
+  std::optional<FlashRecording> live;  ///< or the light that we flashed
+  std::vector<LineProfile> profiles;
+  double light_hz = 0;
+};
 
 Result<std::vector<LineProfile>> profiles_of(const Session& session, ProgressStyle progress) {
   if (session.video.empty()) return bad_input(session.folder.string() + ": there is no video");
@@ -79,13 +72,43 @@ Result<std::vector<LineProfile>> profiles_of(const Session& session, ProgressSty
     const auto frame = camera.read();
     if (!frame) return tl::unexpected(frame.error());
     if (!*frame) break;
-    profiles.push_back(profile_of(**frame, direction));
+    profiles.push_back(line_profile(**frame, direction));
     bar.advance();
   }
   return profiles;
 }
 
-std::string to_json(const FlashingLight& found) {
+Result<Sight> look_at_recording(const Arguments& arguments) {
+  auto session = open_session(arguments.session);
+  if (!session) return tl::unexpected(session.error());
+  print_warnings(session->warnings);
+  auto profiles = profiles_of(*session, arguments.progress());
+  if (!profiles) return tl::unexpected(profiles.error());
+  return Sight{std::move(*session), std::nullopt, std::move(*profiles), arguments.light_hz};
+}
+
+Result<Sight> look_through_camera(const Arguments& arguments) {
+  auto recording =
+      record_flashes(arguments.camera, arguments.line, arguments.light_hz, arguments.progress());
+  if (!recording) return tl::unexpected(recording.error());
+  Sight sight{std::nullopt, std::move(*recording), {}, 0};
+  sight.profiles = std::move(sight.live->profiles);
+  sight.light_hz = sight.live->light_hz;
+  return sight;
+}
+
+/// Why the light that we flashed is no measure; empty if it is one.
+std::string unsteadiness(const FlashRecording& live) {
+  const double jitter = live.jitter_s * live.light_hz;
+  if (jitter <= kMostJitter) return "";
+  return fmt::format(
+      "the light flashed unevenly, by {:.2f} ms a change; take fewer Hz, or run it under chrt "
+      "--fifo "
+      "10",
+      1e3 * live.jitter_s);
+}
+
+std::string to_json(const FlashingLight& found, const Sight& sight) {
   Json json{{"readout_s", nullptr}, {"readout_sigma_s", nullptr}, {"exposure_s", nullptr}};
   if (found.reason.empty()) {
     json["readout_s"] = found.readout_s;
@@ -94,15 +117,25 @@ std::string to_json(const FlashingLight& found) {
     json["bands"] = found.bands;
     json["coherence"] = found.coherence;
   }
+  if (sight.live) {
+    json["light_hz"] = sight.live->light_hz;
+    json["light_jitter_s"] = sight.live->jitter_s;
+    json["light_changes_skipped"] = sight.live->skipped;
+  }
   json["verdict"] = found.reason.empty() ? "ok" : "cannot-tell";
   json["reason"] = found.reason;
   return json.dump(2) + "\n";
 }
 
-std::string describe(const FlashingLight& found) {
-  if (!found.reason.empty()) return "cannot tell: " + found.reason + "\n";
-  std::string text = fmt::format("readout   {:9.3f} ± {:.3f} ms, {:.2f} bands a picture\n",
-                                 1e3 * found.readout_s, 2e3 * found.readout_sigma_s, found.bands);
+std::string describe(const FlashingLight& found, const Sight& sight) {
+  std::string text;
+  if (sight.live) {
+    text += fmt::format("light     {:9.3f} Hz, ± {:.3f} ms a change, {} left out\n",
+                        sight.live->light_hz, 2e3 * sight.live->jitter_s, sight.live->skipped);
+  }
+  if (!found.reason.empty()) return text + "cannot tell: " + found.reason + "\n";
+  text += fmt::format("readout   {:9.3f} ± {:.3f} ms, {:.2f} bands a picture\n",
+                      1e3 * found.readout_s, 2e3 * found.readout_sigma_s, found.bands);
   if (found.exposure_s) {
     text += fmt::format("exposure  {:9.3f} ms, if it is shorter than half of a flash's period\n",
                         1e3 * *found.exposure_s);
@@ -120,36 +153,56 @@ Plot bands_plot(const FlashingLight& found) {
   return plot;
 }
 
-Result<void> write_profile(const Arguments& arguments, const Session& session,
+Result<void> write_profile(const Arguments& arguments, const Sight& sight,
                            const FlashingLight& found) {
   FittedCalibration fitted;
   fitted.readout = duration_from_seconds(found.readout_s);
-  const std::string comments = fmt::format(
-      "# readout_s measured {}, {:g} Hz; 95 % lie within {:.6f}.\n",
-      by_whom("calibrate readout", session), arguments.light_hz, 2 * found.readout_sigma_s);
-  return write_calibration_profile(own_toml(session), fitted, comments, arguments.profile,
-                                   arguments.existing);
+  const std::string who = sight.session ? by_whom("calibrate readout", *sight.session)
+                                        : by_whom("calibrate readout", arguments.camera.camera);
+  const std::string comments =
+      fmt::format("# readout_s measured {}, {:g} Hz; 95 % lie within {:.6f}.\n", who,
+                  sight.light_hz, 2 * found.readout_sigma_s);
+  return write_calibration_profile(sight.session ? own_toml(*sight.session) : "", fitted, comments,
+                                   arguments.profile, arguments.existing);
 }
 
-Result<void> run(const Arguments& arguments) {
+Result<Sight> look(const Arguments& arguments) {
   if (!(arguments.light_hz > 1 && arguments.light_hz < 1e5)) {
     return bad_input("--hz: the light's frequency must lie between 1 and 100000 Hz");
   }
-  const auto session = open_session(arguments.session);
-  if (!session) return tl::unexpected(session.error());
-  print_warnings(session->warnings);
-  const auto profiles =
-      profiles_of(*session, arguments.quiet ? ProgressStyle::quiet : ProgressStyle::automatic);
-  if (!profiles) return tl::unexpected(profiles.error());
-  const FlashingLight found = measure_flashing_light(*profiles, arguments.light_hz);
-  fmt::print("{}", arguments.json ? to_json(found) : describe(found));
+  if (arguments.session.empty() == arguments.line.empty()) {
+    return bad_input("name either a session, or a light's --gpio line and a --camera");
+  }
+  return arguments.session.empty() ? look_through_camera(arguments) : look_at_recording(arguments);
+}
+
+Result<void> run(const Arguments& arguments) {
+  const auto sight = look(arguments);
+  if (!sight) return tl::unexpected(sight.error());
+  FlashingLight found = measure_flashing_light(sight->profiles, sight->light_hz);
+  if (sight->live && found.reason.empty()) found.reason = unsteadiness(*sight->live);
+  fmt::print("{}", arguments.json ? to_json(found, *sight) : describe(found, *sight));
   if (!arguments.plot.empty() && !found.spectrum.empty()) {
     if (auto written = write_svg(bands_plot(found), arguments.plot); !written) return written;
   }
   if (found.reason.empty()) {
-    return arguments.profile.empty() ? Result<void>() : write_profile(arguments, *session, found);
+    return arguments.profile.empty() ? Result<void>() : write_profile(arguments, *sight, found);
   }
-  return bad_input(arguments.session.string() + ": cannot tell: " + found.reason);
+  return bad_input(arguments.source_name() + ": cannot tell: " + found.reason);
+}
+
+void add_light(CLI::App& command, Arguments& arguments) {
+  CLI::Option* const session = command.add_option(
+      "session", arguments.session,
+      "Session folder: two seconds of a white surface, lit by a light that is on half of the time, "
+      "with a short exposure");
+  CLI::Option* const line = command.add_option(
+      "--gpio", arguments.line,
+      "CHIP:LINE, such as gpiochip0:17: flashes the light on this line, and looks "
+      "through --camera");
+  line->excludes(session)->needs(add_camera_options(command, arguments.camera)->needs(line));
+  command.add_option("--hz", arguments.light_hz, "Flashes a second, no multiple of the frame rate")
+      ->required();
 }
 
 }  // namespace
@@ -158,14 +211,7 @@ void add_calibrate_readout(CLI::App& calibrate, CommandOutcome& outcome) {
   CLI::App* const command = calibrate.add_subcommand(
       "readout", "Readout time and exposure from the bands that a flashing light makes");
   const auto arguments = std::make_shared<Arguments>();
-  command
-      ->add_option("session", arguments->session,
-                   "Session folder: two seconds of a white surface, lit by a light that is on half "
-                   "of the time, with a short exposure")
-      ->required();
-  command
-      ->add_option("--hz", arguments->light_hz, "Flashes a second, no multiple of the frame rate")
-      ->required();
+  add_light(*command, *arguments);
   command->add_option("--plot", arguments->plot, "FILE.svg: how much bands of each number explain");
   CLI::Option* const write = command->add_option(
       "--write", arguments->profile,

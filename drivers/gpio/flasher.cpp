@@ -14,10 +14,6 @@
 namespace gimbal {
 namespace {
 
-GpioLevel other(GpioLevel level) {
-  return level == GpioLevel::active ? GpioLevel::inactive : GpioLevel::active;
-}
-
 /// Sleeps until a time comes, or a stop.
 class Sleeper {
  public:
@@ -50,6 +46,7 @@ Result<std::unique_ptr<Flasher>> Flasher::start(std::unique_ptr<GpioOutput> ligh
 Flasher::Flasher(std::unique_ptr<GpioOutput> light, SensorDuration half)
     : light_(std::move(light)),
       half_(half),
+      timing_(half),
       thread_([this](const std::stop_token& stop) { run(stop); }) {}
 
 Flasher::~Flasher() {
@@ -60,26 +57,30 @@ Flasher::~Flasher() {
 
 Flasher::Record Flasher::record() const {
   const std::lock_guard lock(mutex_);
-  return record_;
+  Record record = record_;
+  record.hz = timing_.hz();
+  record.jitter_s = timing_.jitter_s();
+  return record;
 }
 
 /// Every change is due at a multiple of half a flash from the start, so that lateness of one is not
 /// handed on.
 void Flasher::run(const std::stop_token& stop) {
   Sleeper sleeper(stop);
-  auto level = GpioLevel::active;
-  for (SensorTime due = monotonic_now(); sleeper.sleep_until(due); due += half_) {
-    if (!change(level, due)) return;
-    level = other(level);
+  const SensorTime begin = monotonic_now();
+  for (std::int64_t step = 0; sleeper.sleep_until(begin + step * half_); ++step) {
+    if (!change(step, begin + step * half_)) return;
   }
 }
 
 /// False when the line has failed. A change that would come after the next is due is left out: the
 /// light then stays as it is, in step with those to come.
-bool Flasher::change(GpioLevel level, SensorTime due) {
+bool Flasher::change(std::int64_t step, SensorTime due) {
+  const GpioLevel level = step % 2 == 0 ? GpioLevel::active : GpioLevel::inactive;
   const SensorDuration late = monotonic_now() - due;
   const bool is_skipped = late > half_;
   const auto set = is_skipped ? Result<void>() : light_->set(level);
+  const SensorTime changed = monotonic_now();
   const std::lock_guard lock(mutex_);
   record_.latest = std::max(record_.latest, late);
   if (is_skipped) {
@@ -90,6 +91,7 @@ bool Flasher::change(GpioLevel level, SensorTime due) {
     record_.failure = set.error();
     return false;
   }
+  timing_.add(step, changed);
   if (level == GpioLevel::active) ++record_.flashes;
   return true;
 }

@@ -7,6 +7,7 @@
 #include <stop_token>
 #include <thread>
 
+#include "drivers/gpio/flash_timing.hpp"
 #include "drivers/gpio/gpio_lines.hpp"
 
 namespace gimbal {
@@ -21,6 +22,8 @@ class Flasher {
     std::uint64_t flashes = 0;     ///< begun
     SensorDuration latest{};       ///< the most that a change came after its time
     std::uint64_t skipped = 0;     ///< changes that were more than half a flash late
+    double hz = 0;                 ///< flashes a second as they came
+    double jitter_s = 0;           ///< standard deviation of the changes' times from even ones
     std::optional<Error> failure;  ///< of the line; nothing flashes after it
   };
 
@@ -41,12 +44,13 @@ class Flasher {
   Flasher(std::unique_ptr<GpioOutput> light, SensorDuration half);
 
   void run(const std::stop_token& stop);
-  [[nodiscard]] bool change(GpioLevel level, SensorTime due);
+  [[nodiscard]] bool change(std::int64_t step, SensorTime due);
 
   const std::unique_ptr<GpioOutput> light_;
   const SensorDuration half_;  ///< of a flash and its pause
   mutable std::mutex mutex_;
   Record record_;
+  FlashTiming timing_;
   std::jthread thread_;
 };
 

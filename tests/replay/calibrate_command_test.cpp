@@ -129,6 +129,20 @@ TEST_F(Calibrate, TellsTheReadoutOfAFlashingLight) {
   EXPECT_EQ(gimbalctl({"calibrate", "readout", path("light"), "--hz", "300.7"}).exit_status, 2);
 }
 
+TEST_F(Calibrate, FlashesNoLightThatThereIsNot) {
+  const auto refusal = [](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"calibrate", "readout", "--hz", "407"});
+    const auto run = gimbalctl(arguments);
+    EXPECT_EQ(run.exit_status, 2);
+    return run.standard_error;
+  };
+  EXPECT_THAT(refusal({}), HasSubstr("--gpio"));
+  EXPECT_THAT(refusal({"--gpio", "gpiochip0:3"}), HasSubstr("--camera"));
+  EXPECT_THAT(refusal({path("session"), "--gpio", "gpiochip0:3", "--camera", "/dev/video0"}),
+              HasSubstr("session"));
+  EXPECT_THAT(refusal({"--gpio", "no-chip:3", "--camera", "/dev/no-camera"}), HasSubstr("gpio"));
+}
+
 TEST_F(Calibrate, CannotTellFromAHand) {
   simulate("walk");
   const auto run = gimbalctl({"calibrate", "imu", path("session"), "--json"});
