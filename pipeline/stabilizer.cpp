@@ -94,6 +94,8 @@ void Stabilizer::begin_path(std::unique_ptr<CameraPath> path) {
   release_waiting();
   path_ = std::move(path);
   left_path_.clear();
+  shown_.reset();
+  fade_ = {};
   last_rectified_ = 1;
 }
 
@@ -138,12 +140,16 @@ void Stabilizer::place_next() {
 
 void Stabilizer::follow_path() {
   while (const auto view = path_->pop()) {
-    const bool has_come =
-        !left_path_.empty() && view->steady.stamp.time <= left_path_.back().real.stamp.time;
-    if (has_come) continue;  // from the path that this one replaced
+    if (shown_ && view->steady.stamp.time <= shown_->steady.stamp.time) {
+      // That frame has come from the path that this one replaced.
+      if (view->steady.stamp.time == shown_->steady.stamp.time) fade_.begin(*shown_, *view);
+      continue;
+    }
     PathFrame& frame = on_path_.front();
-    const bool fits = needed_zoom(frame.required_zoom, view->steady.q_world_camera) <= view->zoom;
-    views_.push_back({*view, fits ? Fit::whole : Fit::in_part});
+    shown_ = fade_.faded(*view, frame);
+    const bool fits =
+        needed_zoom(frame.required_zoom, shown_->steady.q_world_camera) <= shown_->zoom;
+    views_.push_back({*shown_, fits ? Fit::whole : Fit::in_part});
     left_path_.push_back(std::move(frame));
     if (left_path_.size() > kRememberedPoses) left_path_.pop_front();
     on_path_.pop_front();

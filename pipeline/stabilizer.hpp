@@ -8,6 +8,7 @@
 
 #include "pipeline/lens/lens.hpp"
 #include "pipeline/path/camera_path.hpp"
+#include "pipeline/path/view_fade.hpp"
 #include "pipeline/sample/calibration.hpp"
 #include "pipeline/sample/result.hpp"
 #include "pipeline/sample/virtual_camera.hpp"
@@ -60,7 +61,8 @@ class Stabilizer {
   void begin_path(std::unique_ptr<CameraPath> path);
 
   /// Other choices from the next camera on. `path` is given the frames before, so that it does not
-  /// begin anew. Precondition: all cameras that were ready have been taken.
+  /// begin anew, and what its views differ by from those shown so far fades away. Precondition: all
+  /// cameras that were ready have been taken.
   void replace_path(std::unique_ptr<CameraPath> path, const StabilizerOptions& options);
 
   /// No more samples and stamps come.
@@ -141,6 +143,8 @@ class Stabilizer {
   std::unique_ptr<CameraPath> path_;
   std::deque<PathFrame> on_path_;    ///< frames whose views are still to come
   std::deque<PathFrame> left_path_;  ///< the last ones whose views have come
+  std::optional<SteadyView> shown_;  ///< of the last of them
+  ViewFade fade_;
   std::deque<PathView> views_;
   double last_rectified_ = 1;
 };

@@ -7,6 +7,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <string>
 #include <vector>
 
 namespace gimbal {
@@ -187,6 +188,60 @@ TEST_F(LiveStabilizer, ALongerLatencyHoldsTheNextFramesAndRepeatsNone) {
   for (std::size_t i = 0; i < cameras_.size(); ++i) {
     EXPECT_EQ(cameras_[i].stamp.index, static_cast<std::int64_t>(i));
   }
+}
+
+/// A choice that is changed on the way.
+struct Change {
+  std::string name;
+  PathLatency latency = kLatency;
+  ZoomChoice zoom{1.15, 1.15};
+  BoundedPathParameters parameters{};
+};
+
+class ChangedOnTheWay : public LiveStabilizer, public ::testing::WithParamInterface<Change> {
+ protected:
+  void take(const Change& choice) {
+    StabilizerOptions crop;
+    crop.border = Border::crop;
+    stabilizer_.replace_path(make_bounded_path(choice.parameters, choice.zoom, choice.latency),
+                             crop);
+  }
+
+  [[nodiscard]] double largest_zoom_step(std::size_t from) const {
+    double largest = 0;
+    for (std::size_t i = from + 1; i < cameras_.size(); ++i) {
+      const double ratio = cameras_[i].intrinsics.fx / cameras_[i - 1].intrinsics.fx;
+      largest = std::max(largest, std::abs(std::log(ratio)));
+    }
+    return largest;
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(
+    Live, ChangedOnTheWay,
+    ::testing::Values(Change{"Amount", kLatency, {1.15, 1.15}, {0.2, {}}}, Change{"Nothing"},
+                      Change{"MoreZoom", kLatency, {1.4, 1.4}},
+                      Change{"LessZoom", kLatency, {1.05, 1.05}},
+                      Change{"AutomaticZoom", kLatency, {1, 1.25}}, Change{"MoreLatency", 15},
+                      Change{"NoLatency", 0},
+                      Change{"Horizon", kLatency, {1.15, 1.15}, {1, {Horizon::hard, 1}}}),
+    [](const ::testing::TestParamInfo<Change>& change) { return change.param.name; });
+
+TEST_P(ChangedOnTheWay, ThePictureGlidesThere) {
+  take({});
+  run(0, 4);
+  const double usual_step_rad = largest_step_rad(45);
+  const std::size_t at_change = cameras_.size() - 1;
+  take(GetParam());
+  take_cameras();
+  run(4, 8);
+  EXPECT_EQ(cameras_.size(), static_cast<std::size_t>(next_index_) - *GetParam().latency);
+  // Within a second and a half, and what the other path itself does beside it.
+  EXPECT_LT(largest_zoom_step(at_change), 0.012);
+  EXPECT_LT(
+      cameras_[at_change].q_world_camera.angularDistance(cameras_[at_change + 1].q_world_camera),
+      usual_step_rad + 0.1 * kDegree);
+  EXPECT_LT(largest_step_rad(at_change), usual_step_rad + 0.5 * kDegree);
 }
 
 }  // namespace
