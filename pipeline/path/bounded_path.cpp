@@ -37,10 +37,12 @@ constexpr double kLessGuessPerHorizon = 0.45;
 constexpr double kGuessConfidence = 0.3;
 constexpr double kConfidenceFades_s = 0.25;
 
-/// From half of the room on a view is pulled back gently, at the frame's edge for good. That gives
-/// a little, so that a stiff path's plan does not turn on a frame; what is too much is taken off.
+/// From half of the room on a view is pulled back gently, at the frame's edge for good. The edge
+/// gives a little, so that a stiff path's plan does not turn on a frame: what is too much is taken
+/// off. It does not give much, or all of a runner's path would be what is taken off.
 constexpr PathWall kSoftWall = {0.5, 10};
 constexpr PathWall kHardWall = {1, 3e5};
+constexpr PathWall kLastWall = {1.2, 1e8};
 
 // The stretch around a frame whose turns its view keeps to, and by how much it may exceed them.
 constexpr double kRange_s = 0.4;
@@ -180,7 +182,7 @@ void BoundedPath::release_next() {
   PathCost cost;
   cost.smoothing_s = amount_ * std::clamp(kLeastSmoothing_s + kSmoothingPerHorizon * horizon_s(),
                                           kLeastSmoothing_s, kMostSmoothing_s);
-  cost.walls = {PathWall{kSoftWall.at, amount_ * kSoftWall.weight}, kHardWall};
+  cost.walls = {PathWall{kSoftWall.at, amount_ * kSoftWall.weight}, kHardWall, kLastWall};
   // Stiff paths take more to be held.
   cost.overshoot_weight = kOvershootWeight_per_s3 * std::pow(cost.smoothing_s, 3);
   follow(cost, outlook, *bounded_);

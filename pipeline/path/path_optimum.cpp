@@ -9,7 +9,7 @@ namespace {
 using Eigen::Vector3d;
 using Limits = ViewRoom::Limits;
 
-constexpr int kMostSteps = 8;
+constexpr int kMostSteps = 12;
 constexpr int kMostHalvings = 14;
 
 /// A fortieth of a pixel at 1200 pixels a radian.

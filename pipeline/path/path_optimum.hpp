@@ -46,7 +46,7 @@ struct PathWall {
 
 struct PathCost {
   double smoothing_s = 0.5;  ///< T
-  std::array<PathWall, 2> walls;
+  std::array<PathWall, 3> walls;
   double overshoot_weight = 0;
 };
 

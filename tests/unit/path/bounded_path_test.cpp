@@ -223,6 +223,13 @@ TEST(BoundedPath, IsAsSteadyAtAnyRate) {
   }
 }
 
+TEST(BoundedPath, FutureDoesNoHarmWhereTheRoomIsFarTooSmall) {
+  const auto real = clip(running_hand(), 15);
+  const double soon = shake(bounded(real, 5));
+  EXPECT_LT(soon, 0.8 * rms_rate_above_rad_s(real, 1));
+  EXPECT_LT(shake(bounded(real, std::nullopt)), 1.05 * soon);
+}
+
 /// Breathes and trembles, a third of a degree to either side.
 std::vector<FramePose> standing_hand() {
   HandModel hand;
