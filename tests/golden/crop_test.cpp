@@ -3,13 +3,16 @@
 
 #include <gtest/gtest.h>
 
+#include <initializer_list>
 #include <memory>
+#include <random>
 #include <string>
 #include <tuple>
 #include <vector>
 
 #include "drivers/synthetic/hand_motion.hpp"
 #include "pipeline/path/camera_path.hpp"
+#include "pipeline/path/steadiness.hpp"
 #include "pipeline/stabilizer.hpp"
 #include "tests/golden/ipod_in_hand.hpp"
 #include "tests/support/truth_estimator.hpp"
@@ -41,14 +44,16 @@ struct Outcome {
   std::int64_t frames = 0;
   std::int64_t border_px = 0;
   std::int64_t rectified_in_part = 0;
+  double shake_before_rad_s = 0;
+  double shake_rad_s = 0;
 };
 
-Outcome run(const Motion& motion, const CameraCalibration& camera, double zoom,
-            PathLatency latency) {
+Outcome run(const Motion& motion, const CameraCalibration& camera, double zoom, PathLatency latency,
+            const StabilizerOptions& options = {}) {
   const ImuCalibration imu = test::phone_axes();
   auto stabilizer = *Stabilizer::create(
       camera, imu, make_causal_stream(std::make_unique<test::TruthEstimator>(motion, imu)),
-      make_bounded_path({}, {zoom, zoom}, latency), {});
+      make_bounded_path({}, {zoom, zoom}, latency), options);
   for (int i = -100; i < (kSeconds + 1) * kSamplesPerSecond; ++i) {
     stabilizer.push(ImuSample{time_from_seconds(static_cast<double>(i) / kSamplesPerSecond),
                               Eigen::Vector3d::Zero(), std::nullopt});
@@ -58,12 +63,18 @@ Outcome run(const Motion& motion, const CameraCalibration& camera, double zoom,
   }
   stabilizer.finish();
   Outcome outcome;
+  std::vector<FramePose> real;
+  std::vector<FramePose> steady;
   while (const auto view = stabilizer.next_camera()) {
+    real.push_back(stabilizer.real_pose(view->stamp));
+    steady.push_back({view->stamp, view->q_world_camera});
     outcome.frames += 1;
     outcome.border_px += count_border_pixels(stabilizer.mesh_for(*view));
     if (view->rectified < 1) outcome.rectified_in_part += 1;
     EXPECT_NEAR(view->intrinsics.fx / stabilizer.unzoomed().fx, zoom, 1e-9);
   }
+  outcome.shake_before_rad_s = rms_rate_above_rad_s(real, 1);
+  outcome.shake_rad_s = rms_rate_above_rad_s(steady, 1);
   return outcome;
 }
 
@@ -91,6 +102,68 @@ INSTANTIATE_TEST_SUITE_P(Harshest, CroppedBorder,
                                             ::testing::Values(PathLatency{0}, PathLatency{5},
                                                               PathLatency{15}, PathLatency{})),
                          name_of);
+
+/// A camera, a hand, a zoom and a latency that somebody may well have.
+class AnyCamera : public ::testing::TestWithParam<std::uint32_t> {
+ protected:
+  double between(double least, double most) {
+    return std::uniform_real_distribution<double>(least, most)(random_);
+  }
+
+  template <typename Value>
+  Value one_of(std::initializer_list<Value> values) {
+    return *(values.begin() + std::uniform_int_distribution<std::ptrdiff_t>(
+                                  0, static_cast<std::ptrdiff_t>(values.size()) - 1)(random_));
+  }
+
+  CameraCalibration camera() {
+    CameraCalibration camera;
+    camera.size = {640, 2 * static_cast<int>(between(170, 240))};
+    camera.fps = kFps;
+    camera.readout = duration_from_seconds(between(0, 0.03));
+    camera.readout_direction = one_of({ReadoutDirection::top_down, ReadoutDirection::bottom_up,
+                                       ReadoutDirection::left_right, ReadoutDirection::right_left});
+    camera.lens.model = one_of({LensModel::pinhole, LensModel::brown, LensModel::fisheye});
+    const double focal_px = between(camera.lens.model == LensModel::fisheye ? 260 : 450, 700);
+    camera.lens.K << focal_px, 0, 320 + between(-8, 8), 0, focal_px,
+        camera.size.height / 2.0 + between(-8, 8), 0, 0, 1;
+    if (camera.lens.model == LensModel::brown) {
+      camera.lens.distortion = {between(-0.15, 0.05), 0, 0.001, -0.001};
+    }
+    if (camera.lens.model == LensModel::fisheye) {
+      camera.lens.distortion = {between(-0.03, 0.03), 0, 0, 0};
+    }
+    return camera;
+  }
+
+  Eigen::Vector3d up_to(double most_rad) {
+    return {between(0, most_rad), between(0, most_rad), between(0, most_rad)};
+  }
+
+  HandModel hand() {
+    HandModel hand;
+    hand.rotation_rad = {{0.1, 1, up_to(0.15)}, {1, 4, up_to(0.05)}, {5, 20, up_to(0.02)}};
+    return hand;
+  }
+
+  std::mt19937 random_{GetParam()};
+};
+
+INSTANTIATE_TEST_SUITE_P(Seed, AnyCamera, ::testing::Range(1U, 17U));
+
+TEST_P(AnyCamera, ShowsNoBorderAndShakesLess) {
+  const CameraCalibration camera = this->camera();
+  StabilizerOptions options;
+  options.output_lens = one_of({OutputLens::rectilinear, OutputLens::kept});
+  const PathLatency latency = one_of({PathLatency{0}, PathLatency{5}, PathLatency{}});
+  const double zoom = between(1.08, 1.3);
+  const Motion motion = make_hand_motion(hand(), std::chrono::seconds(kSeconds), GetParam());
+  const Outcome outcome = run(motion, camera, zoom, latency, options);
+  EXPECT_EQ(outcome.frames, kSeconds * kFps);
+  EXPECT_EQ(outcome.border_px, 0) << "zoom " << zoom << ", lens model "
+                                  << static_cast<int>(camera.lens.model);
+  EXPECT_LT(outcome.shake_rad_s, 0.9 * outcome.shake_before_rad_s);
+}
 
 TEST(PartlyRectified, OnlyFramesThatNoViewFits) {
   // A walk's shear is far less than the room at this zoom.
