@@ -19,6 +19,11 @@ import page
 import sessions
 import stabilizers
 
+try:
+    import best_path
+except ModuleNotFoundError:  # numpy, which it needs
+    best_path = None
+
 
 def number(value):
     return "-" if value is None else f"{value:.3f}"
@@ -50,22 +55,40 @@ class Row:
     judgement: dict
 
 
+@dataclasses.dataclass
+class Comparison:
+    session: sessions.Session
+    zoom: float
+    rows: list[Row]
+    least_rate_deg_s: float | None  # above 1 Hz, of all paths that keep inside of the frames; None where nobody knows
+
+    @property
+    def bound(self):
+        if self.least_rate_deg_s is None:
+            return ""
+        return (f"No path whose views keep inside of the frames leaves less than {self.least_rate_deg_s:.3f} deg/s"
+                " (quadratic program over the true motion of the whole recording).")
+
+
 def cells(judgement):
     if "against_original" not in judgement:
         judgement = {**judgement, "against_original": {"retained_view": float("nan"), "distortion": float("nan")}}
     return [tell(judgement) for _, _, tell in COLUMNS]
 
 
-def print_table(session, zoom, rows):
-    print(f"\n{session.name}: {session.description}, zoom {zoom:g}")
+def print_table(comparison):
+    session = comparison.session
+    print(f"\n{session.name}: {session.description}, zoom {comparison.zoom:g}")
     print(f"{'':34}" + "".join(f" {heading:>{width}}" for heading, width, _ in COLUMNS))
-    for row in rows:
+    for row in comparison.rows:
         print(f"  {row.name:32}" + "".join(f" {cell:>{width}}" for (_, width, _), cell
                                            in zip(COLUMNS, cells(row.judgement))), flush=True)
+    if comparison.bound:
+        print(f"  {comparison.bound}", flush=True)
 
 
 def compare(session, tools, wanted, zoom):
-    """Rows in the order of the table; of a stabilizer with a setting to choose, the best one."""
+    """Rows come in the order of the table; of a stabilizer with a setting to choose, the best one."""
     rows = []
     for name in wanted:
         stabilizer = stabilizers.ALL[name]
@@ -73,7 +96,8 @@ def compare(session, tools, wanted, zoom):
             attempts = [Row(stabilizer.title + setting, video, tools.judge(video, session))
                         for setting, video in stabilizer.run(tools, session, zoom)]
             rows.append(best_of(attempts))
-    return rows
+    has_truth = best_path is not None and session.has_perfect_sensors
+    return Comparison(session, zoom, rows, best_path.least_rate_deg_s(session.recording, zoom) if has_truth else None)
 
 
 def best_of(attempts, most_border=0.001):
@@ -84,10 +108,14 @@ def best_of(attempts, most_border=0.001):
     return min(attempts, key=lambda row: row.judgement["border_share"])
 
 
-def write_figures(results, zoom, files):
-    figures = {session.name: {"zoom": zoom, "rows": {
-        row.name: {key: value for key, value in row.judgement.items() if key != "path_deg"} for row in rows}}
-        for session, rows in results}
+def figures_of(comparison):
+    return {"zoom": comparison.zoom, "least_rate_above_1hz_deg_s": comparison.least_rate_deg_s, "rows": {
+        row.name: {key: value for key, value in row.judgement.items() if key != "path_deg"}
+        for row in comparison.rows}}
+
+
+def write_figures(results, files):
+    figures = {comparison.session.name: figures_of(comparison) for comparison in results}
     for file in files:
         everything = json.loads(file.read_text(encoding="utf-8")) if file.exists() else {}
         everything["comparison"] = figures
@@ -119,13 +147,12 @@ def main():
                                 args.shared.resolve())
         if session is None:
             continue
-        results.append((session, compare(session, tools, args.stabilizers, args.zoom)))
-        print_table(session, args.zoom, results[-1][1])
+        results.append(compare(session, tools, args.stabilizers, args.zoom))
+        print_table(results[-1])
     if not results:
         sys.exit("compare: nothing to compare")
-    write_figures(results, args.zoom, [args.output / "comparison.json", *args.json])
-    page.write(args.output / "index.html", results, args.zoom, [heading for heading, _, _ in COLUMNS], cells,
-               EXPLANATION)
+    write_figures(results, [args.output / "comparison.json", *args.json])
+    page.write(args.output / "index.html", results, [heading for heading, _, _ in COLUMNS], cells, EXPLANATION)
     print(f"\ncompare: videos, paths and tables are in {args.output / 'index.html'}")
 
 

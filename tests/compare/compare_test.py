@@ -40,7 +40,8 @@ class WholeRun(unittest.TestCase):
              "--duration", "2", "--zoom", str(ZOOM), "--stabilizers", "hann", "gimbalctl", "perfect", "--json",
              cls.output / "more.json"], check=True, capture_output=True, text=True)
         cls.printed = done.stdout
-        cls.rows = json.loads((cls.output / "comparison.json").read_text())["comparison"]["walk"]["rows"]
+        cls.figures = json.loads((cls.output / "comparison.json").read_text())["comparison"]["walk"]
+        cls.rows = cls.figures["rows"]
 
     @classmethod
     def tearDownClass(cls):
@@ -56,6 +57,13 @@ class WholeRun(unittest.TestCase):
             self.assertAlmostEqual(judgement["against_original"]["zoom"], ZOOM, delta=0.01, msg=name)
             self.assertEqual(judgement["lost_pairs"], 0, name)
             self.assertEqual(judgement["border_share"], 0, name)
+
+    @unittest.skipIf(compare.best_path is None, "no numpy")
+    def test_nobody_beats_the_best_path(self):
+        least = self.figures["least_rate_above_1hz_deg_s"]
+        self.assertGreater(least, 0)
+        for name, judgement in self.rows.items():
+            self.assertGreater(judgement["rate_above_1hz_deg_s"], least, name)
 
     def test_adds_the_figures_to_another_file(self):
         more = json.loads((self.output / "more.json").read_text())

@@ -68,17 +68,17 @@ def videos(rows, folder):
             f'<div class="videos">{figures}</div></div>')
 
 
-def section(session, zoom, rows, folder, headings, cells):
-    return (f"<h2>{html.escape(session.name)}</h2><p>{html.escape(session.description)}; zoom {zoom:g}</p>"
-            + videos(rows, folder) + table(rows, headings, cells)
+def section(comparison, folder, headings, cells):
+    session, rows = comparison.session, comparison.rows
+    return (f"<h2>{html.escape(session.name)}</h2><p>{html.escape(session.description)}; zoom {comparison.zoom:g}</p>"
+            + videos(rows, folder) + table(rows, headings, cells) + f"<p>{html.escape(comparison.bound)}</p>"
             + "<p>How the camera of each video turns since its first frame, as its pictures tell, about axes that"
               " lie as that frame's: x to the right, y down, z forward.</p>"
             + "".join(plot(rows, axis) for axis in range(len(AXES))))
 
 
-def write(file, results, zoom, headings, cells, explanation):
-    sections = "".join(section(session, zoom, rows, file.parent.resolve(), headings, cells)
-                       for session, rows in results)
+def write(file, results, headings, cells, explanation):
+    sections = "".join(section(comparison, file.parent.resolve(), headings, cells) for comparison in results)
     file.write_text(f"<!DOCTYPE html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>Stabilizers compared"
                     f"</title><style>{STYLE}</style><script>{SCRIPT}</script></head><body><h1>Stabilizers compared"
                     f"</h1><p>{html.escape(explanation)}</p>{sections}</body></html>\n", encoding="utf-8")
