@@ -46,7 +46,7 @@ constexpr PathWall kLastWall = {1.2, 1e8};
 
 // The stretch around a frame whose turns its view keeps to, and by how much it may exceed them.
 constexpr double kRange_s = 0.4;
-constexpr double kOvershoot_rad = 0.6 * std::numbers::pi / 180;
+constexpr double kOvershoot_rad = 0.75 * std::numbers::pi / 180;
 constexpr double kOvershootWeight_per_s3 = 8e5;
 
 // A camera that stays within this share of its room for as long is meant to stand: its view then
