@@ -4,8 +4,7 @@
 namespace gimbal {
 
 void add_calibrate_command(CLI::App& app, CommandOutcome& outcome) {
-  CLI::App* const calibrate =
-      app.add_subcommand("calibrate", "Measure what a camera or an IMU is like");
+  CLI::App* const calibrate = app.add_subcommand("calibrate", kCalibratePurpose);
   calibrate->require_subcommand(1);
   add_calibrate_imu(*calibrate, outcome);
   add_calibrate_intrinsics(*calibrate, outcome);

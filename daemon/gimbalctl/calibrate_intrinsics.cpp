@@ -199,8 +199,7 @@ void add_results(CLI::App& command, Arguments& arguments) {
 }  // namespace
 
 void add_calibrate_intrinsics(CLI::App& calibrate, CommandOutcome& outcome) {
-  CLI::App* const command = calibrate.add_subcommand(
-      "intrinsics", "Focal length, principal point and distortion from views of a board");
+  CLI::App* const command = calibrate.add_subcommand("intrinsics", kIntrinsicsPurpose);
   const auto arguments = std::make_shared<Arguments>();
   add_sources(*command, *arguments);
   add_board(*command, *arguments);

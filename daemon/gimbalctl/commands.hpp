@@ -31,7 +31,7 @@ void add_sessions_command(CLI::App& app, CommandOutcome& outcome);
 void add_simulate_command(CLI::App& app, CommandOutcome& outcome);
 void add_stabilize_command(CLI::App& app, CommandOutcome& outcome);
 void add_orient_command(CLI::App& app, CommandOutcome& outcome);
-/// Where OpenCV or Ceres was not there to build with, it only says so.
+/// In gimbalctl itself, and where OpenCV or Ceres was not there to build with, it only says so.
 void add_sync_command(CLI::App& app, CommandOutcome& outcome);
 
 }  // namespace gimbal

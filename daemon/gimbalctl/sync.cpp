@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "daemon/gimbalctl/calibrations.hpp"
 #include "daemon/gimbalctl/commands.hpp"
 #include "daemon/gimbalctl/svg_plot.hpp"
 #include "daemon/gimbalctl/sync_profile.hpp"
@@ -62,8 +63,7 @@ Result<void> run(const Arguments& arguments) {
 }  // namespace
 
 void add_sync_command(CLI::App& app, CommandOutcome& outcome) {
-  CLI::App* const command =
-      app.add_subcommand("sync", "Find time offset, readout, axes, gyro bias and focal length");
+  CLI::App* const command = app.add_subcommand("sync", kSyncPurpose);
   const auto arguments = std::make_shared<Arguments>();
   command
       ->add_option("session", arguments->session,

@@ -27,8 +27,8 @@ in_cross_tree() {
 
 # Only the newest is of use.
 keep_package() {
-  rm -f "$kept"/gimbald_*.deb
-  mv "$tree"/build/gimbald_*_arm64.deb "$kept/"
+  rm -f "$kept"/gimbald*.deb
+  mv "$tree"/build/gimbald*_arm64.deb "$kept/"
 }
 
 main() {
@@ -41,7 +41,7 @@ main() {
   in_cross_tree build_package.sh
   in_cross_tree check_package.sh
   keep_package
-  say "$(echo "$kept"/gimbald_*.deb)"
+  say "$(echo "$kept"/gimbald*.deb)"
   in_cross_tree run_tests.sh
 }
 

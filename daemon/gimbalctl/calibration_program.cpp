@@ -1,0 +1,54 @@
+#include "daemon/gimbalctl/calibration_program.hpp"
+
+#include <unistd.h>
+
+#include <filesystem>
+#include <string_view>
+#include <system_error>
+
+#include "daemon/gimbalctl/calibrations.hpp"
+#include "daemon/gimbalctl/commands.hpp"
+
+namespace gimbal {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kProgram = "gimbalctl-calibrate";
+
+bool is_for_it(int argc, char** argv) {
+  const std::string_view command = argc > 1 ? argv[1] : "";
+  return command == "sync" ||
+         (command == "calibrate" && argc > 2 && std::string_view(argv[2]) == "intrinsics");
+}
+
+void add_stub(CLI::App& app, const char* name, const char* purpose, CommandOutcome& outcome) {
+  CLI::App* const command = app.add_subcommand(name, purpose);
+  command->allow_extras();
+  command->callback([command, &outcome] {
+    outcome = bad_input(command->get_name() +
+                        ": gimbalctl-calibrate is not installed; it comes with the package "
+                        "gimbald-calibration, or with a build that has OpenCV and Ceres");
+  });
+}
+
+}  // namespace
+
+void become_calibration_program(int argc, char** argv) {
+  if (!is_for_it(argc, argv)) return;
+  std::error_code ignored;
+  const fs::path here = fs::read_symlink("/proc/self/exe", ignored).parent_path();
+  for (const fs::path& folder : {here, here / GIMBALD_LIBEXEC_FROM_BIN}) {
+    execv((folder / kProgram).c_str(), argv);  // returns where it is not there
+  }
+}
+
+void add_sync_command(CLI::App& app, CommandOutcome& outcome) {
+  add_stub(app, "sync", kSyncPurpose, outcome);
+}
+
+void add_calibrate_intrinsics(CLI::App& calibrate, CommandOutcome& outcome) {
+  add_stub(calibrate, "intrinsics", kIntrinsicsPurpose, outcome);
+}
+
+}  // namespace gimbal
