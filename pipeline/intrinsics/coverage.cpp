@@ -12,13 +12,16 @@ namespace {
 constexpr double kLeastTilt = 0.3;
 constexpr double kLeastOfRegion = 0.5;
 
+std::size_t index_of(int column, int row) {
+  return static_cast<std::size_t>(row) * Coverage::kSide + static_cast<std::size_t>(column);
+}
+
 std::size_t part_of(const Eigen::Vector2d& seen_px, ImageSize size) {
   const auto place = [](double at, int length) {
     const auto part = static_cast<int>((at + 0.5) * Coverage::kSide / length);
     return std::clamp(part, 0, Coverage::kSide - 1);
   };
-  return static_cast<std::size_t>(place(seen_px.y(), size.height) * Coverage::kSide +
-                                  place(seen_px.x(), size.width));
+  return index_of(place(seen_px.x(), size.width), place(seen_px.y(), size.height));
 }
 
 /// Parts of the picture that have a name, of two rows and columns each but for the middle ones.
@@ -44,7 +47,7 @@ bool is_seen(const Coverage& coverage, const Region& region) {
   int seen = 0;
   for (int y = region.top; y < region.bottom; ++y) {
     for (int x = region.left; x < region.right; ++x) {
-      seen += coverage.corners.at(static_cast<std::size_t>(y * Coverage::kSide + x)) > 0 ? 1 : 0;
+      seen += coverage.corners.at(index_of(x, y)) > 0 ? 1 : 0;
     }
   }
   return seen > kLeastOfRegion * (region.right - region.left) * (region.bottom - region.top);

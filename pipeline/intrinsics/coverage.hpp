@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <span>
 #include <string>
 #include <vector>
@@ -13,8 +14,9 @@ namespace gimbal {
 /// Which parts of the picture and which tilts of the board were seen.
 struct Coverage {
   static constexpr int kSide = 5;
-  std::array<int, kSide * kSide> corners{};  ///< in each part of the picture, row by row
-  int nearer_left = 0;                       ///< views in which the board is tilted so
+  std::array<int, std::size_t{kSide} * kSide>
+      corners{};        ///< in each part of the picture, row by row
+  int nearer_left = 0;  ///< views in which the board is tilted so
   int nearer_right = 0;
   int nearer_top = 0;
   int nearer_bottom = 0;

@@ -46,6 +46,7 @@ std::vector<ViewError> errors_of(const std::vector<BoardView>& views, const Lens
 /// The view that fits worst, if it is far worse than most.
 std::optional<std::size_t> outlier(const std::vector<ViewError>& errors) {
   std::vector<double> all;
+  all.reserve(errors.size());
   for (const ViewError& error : errors) all.push_back(error.rms_px);
   const auto worst = std::max_element(all.begin(), all.end());
   if (*worst <= kMostTimesMedian * median(all)) return std::nullopt;

@@ -49,6 +49,7 @@ CvProblem problem_of(std::span<const BoardView> views, ImageSize size, LensModel
 template <typename Point, typename Wide>
 std::vector<std::vector<Point>> narrowed(const std::vector<std::vector<Wide>>& wide) {
   std::vector<std::vector<Point>> narrow;
+  narrow.reserve(wide.size());
   for (const auto& points : wide) narrow.emplace_back(points.begin(), points.end());
   return narrow;
 }
