@@ -104,6 +104,19 @@ void read_imu(TomlTable& table, ChosenDrivers& drivers, Configuration& configura
   read_bias_memory(table, configuration.bias_memory);
 }
 
+void read_sync(TomlTable& table, SyncSettings& settings) {
+  if (const auto online = table.boolean("online")) settings.online = online;
+  if (const auto share = table.number("cpu_share")) {
+    if (!(*share > 0 && *share <= 1)) table.refuse("cpu_share", "must be above 0, and 1 at most");
+    settings.cpu_share = *share;
+  }
+#ifndef GIMBALD_HAS_OPENCV
+  if (settings.online.value_or(false)) {
+    table.refuse("online", "cannot be done: this gimbald was built without OpenCV");
+  }
+#endif
+}
+
 void read_replay(TomlTable& table, ReplaySettings& replay) {
   if (auto session = table.text("session")) replay.session = *session;
   if (const auto repeat = table.boolean("repeat")) {
@@ -191,6 +204,7 @@ Result<void> read_file(const std::filesystem::path& file, Configuration& configu
       .and_then(read("i2c", [&](TomlTable& t) { read_i2c(t, configuration.imu); }))
       .and_then(read("stabilization",
                      [&](TomlTable& t) { read_stabilization(t, configuration.stabilization); }))
+      .and_then(read("sync", [&](TomlTable& t) { read_sync(t, configuration.sync); }))
       .and_then(read("control", [&](TomlTable& t) { read_control(t, configuration.control); }))
       .and_then(
           read("recording", [&](TomlTable& t) { read_recording(t, configuration.recording); }))

@@ -14,6 +14,7 @@
 #include "daemon/output_target.hpp"
 #include "daemon/recording_settings.hpp"
 #include "daemon/stabilization.hpp"
+#include "daemon/sync_settings.hpp"
 #include "drivers/driver_table.hpp"
 #include "drivers/replay/paced_replay.hpp"
 #include "pipeline/sample/calibration.hpp"
@@ -57,6 +58,7 @@ struct Configuration {
   ImuSettings imu;
   CalibrationSettings calibration;
   BiasMemorySettings bias_memory;
+  SyncSettings sync;
   StabilizationSettings stabilization;
   std::vector<OutputSettings> outputs;
   ControlSettings control;

@@ -59,7 +59,7 @@ SensorTime stamp_of(const ImuReading& reading) {
 
 Result<std::unique_ptr<LivePipeline>> LivePipeline::start(
     LiveSources sources, const StabilizationSettings& settings,
-    const std::vector<OutputSettings>& outputs, SourceObserver* observer) {
+    const std::vector<OutputSettings>& outputs, std::vector<SourceObserver*> observers) {
   if (auto sound = check_horizon(settings, sources.accelerometer); !sound) {
     return tl::unexpected(sound.error());
   }
@@ -73,8 +73,8 @@ Result<std::unique_ptr<LivePipeline>> LivePipeline::start(
   if (sources.format.size != sources.camera_calibration.size) {
     return bad_input("the camera delivers another size of picture than its calibration is for");
   }
-  std::unique_ptr<LivePipeline> pipeline(
-      new LivePipeline(std::move(sources), std::move(*stabilizer), settings, outputs, observer));
+  std::unique_ptr<LivePipeline> pipeline(new LivePipeline(
+      std::move(sources), std::move(*stabilizer), settings, outputs, std::move(observers)));
   if (auto started = pipeline->start_threads(); !started) return tl::unexpected(started.error());
   return pipeline;
 }
@@ -95,14 +95,15 @@ Result<void> LivePipeline::start_threads() {
 
 LivePipeline::LivePipeline(LiveSources sources, Stabilizer stabilizer,
                            const StabilizationSettings& settings,
-                           const std::vector<OutputSettings>& outputs, SourceObserver* observer)
+                           const std::vector<OutputSettings>& outputs,
+                           std::vector<SourceObserver*> observers)
     : camera_("camera", std::move(sources.camera)),
       imu_("imu", std::move(sources.imu)),
       format_(sources.format),
       calibration_(sources.camera_calibration),
       imu_calibration_(sources.imu_calibration),
       accelerometer_(sources.accelerometer),
-      observer_(observer),
+      observers_(std::move(observers)),
       inflow_(kHeldInflow),
       drawings_(kHeldDrawings),
       settings_(settings),
@@ -141,6 +142,14 @@ void LivePipeline::apply(const StabilizationSettings& settings) {
   inflow_.push(settings);
 }
 
+void LivePipeline::use(const OffsetReport& offset) {
+  if (offset.estimate.is_known) {
+    wanted_correction_ = offset.estimate.offset - calibration_.time_offset;
+  }
+  const std::lock_guard lock(mutex_);
+  tracked_offset_ = offset;
+}
+
 std::unique_ptr<CameraPath> LivePipeline::new_path() const {
   return make_path(settings_, usual_fps(calibration_));
 }
@@ -157,7 +166,7 @@ void LivePipeline::read_camera() {
         ++dropped_off_clock_;  // or all that come after it would seem to be late
         continue;
       }
-      if (observer_ != nullptr) observer_->saw(*frame);
+      for (SourceObserver* observer : observers_) observer->saw(*frame);
       if (!inflow_.push(std::move(*frame))) break;
     } else if (std::holds_alternative<SourceLost>(reading)) {
       is_camera_lost_ = true;
@@ -181,7 +190,7 @@ void LivePipeline::read_imu() {
       ++samples_off_clock_;
       continue;
     }
-    if (observer_ != nullptr) observer_->saw(*sample);
+    for (SourceObserver* observer : observers_) observer->saw(*sample);
     if (!std::visit([&](const auto& one) { return inflow_.push(one); }, *sample)) break;
   }
   inflow_.push(SourceEnd{});
@@ -231,9 +240,12 @@ void LivePipeline::take(const VideoFrame& frame) {
     return;
   }
   last_frame_ = frame.stamp.time;
+  correction_ = glide_.towards(wanted_correction_, frame.stamp.time);
   held_.push_back(frame);
-  stabilizer_.push(frame.stamp);
-  coast_if_the_imu_is_silent(frame.stamp);
+  FrameStamp& stamp = held_.back().stamp;
+  stamp.clock_correction = correction_;
+  stabilizer_.push(stamp);
+  coast_if_the_imu_is_silent(stamp);
 }
 
 void LivePipeline::take(const StabilizationSettings& settings) {
@@ -263,7 +275,7 @@ void LivePipeline::push_aligned_samples() {
 
 /// The frames are the clock here, so a replay does the same each time.
 void LivePipeline::coast_if_the_imu_is_silent(const FrameStamp& stamp) {
-  const SensorTime frame = stamp.time + calibration_.time_offset;
+  const SensorTime frame = stamp.time + stamp.clock_correction + calibration_.time_offset;
   if (!last_sample_) last_sample_ = frame;
   if (frame - *last_sample_ < kSilence) return;
   is_coasting_ = true;
@@ -417,7 +429,9 @@ LiveStatus LivePipeline::status() const {
   status.drawing_time = drawing_time_.counts();
   status.drawn_age = drawn_age_.counts();
   const std::lock_guard lock(mutex_);
+  status.time_offset = calibration_.time_offset + correction_.load();
   status.attitude = attitude_;
+  status.tracked_offset = tracked_offset_;
   status.suspicion = suspicion_;
   return status;
 }

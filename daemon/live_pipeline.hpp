@@ -22,6 +22,8 @@
 #include "pipeline/queue/bounded_queue.hpp"
 #include "pipeline/sample/calibration.hpp"
 #include "pipeline/stabilizer.hpp"
+#include "pipeline/sync/offset_glide.hpp"
+#include "pipeline/sync/offset_tracker.hpp"
 #include "pipeline/timing/imu_aligner.hpp"
 
 namespace gimbal {
@@ -63,6 +65,12 @@ struct CameraAttitude {
   Eigen::Quaterniond q_world_camera;
 };
 
+/// What tracking the time offset has come to.
+struct OffsetReport {
+  OffsetEstimate estimate;
+  SensorDuration cpu_time{};  ///< that it took, all together
+};
+
 /// How things are at an instant.
 struct LiveStatus {
   SourceStatus camera;
@@ -79,6 +87,8 @@ struct LiveStatus {
   Histogram::Counts drawn_age;             ///< of a frame when it is drawn
   std::string suspicion;                   ///< see AttitudeStream; empty if none
   double gyro_rate_hz = 0;                 ///< 0 until it is known
+  SensorDuration time_offset{};            ///< that frames are drawn with
+  std::optional<OffsetReport> tracked_offset;
 };
 
 /// Sees what the sources deliver, on their threads. Must not wait.
@@ -100,10 +110,10 @@ class SourceObserver {
 /// without an IMU the picture glides to what the camera takes, and back.
 class LivePipeline {
  public:
-  /// `observer`: none, or one that lives longer.
+  /// `observers` live longer.
   [[nodiscard]] static Result<std::unique_ptr<LivePipeline>> start(
       LiveSources sources, const StabilizationSettings& settings,
-      const std::vector<OutputSettings>& outputs, SourceObserver* observer = nullptr);
+      const std::vector<OutputSettings>& outputs, std::vector<SourceObserver*> observers = {});
 
   LivePipeline(const LivePipeline&) = delete;
   LivePipeline& operator=(const LivePipeline&) = delete;
@@ -115,6 +125,9 @@ class LivePipeline {
   /// From the next frame on: amount, path, latency, zoom, border and horizon. The others are what
   /// they were at the start.
   void apply(const StabilizationSettings& settings);
+
+  /// If it is known, frames come to be drawn with this offset by and by.
+  void use(const OffsetReport& offset);
 
   /// Refuses what the devices cannot do.
   [[nodiscard]] Result<void> check(const StabilizationSettings& settings) const;
@@ -151,7 +164,7 @@ class LivePipeline {
   };
 
   LivePipeline(LiveSources sources, Stabilizer stabilizer, const StabilizationSettings& settings,
-               const std::vector<OutputSettings>& outputs, SourceObserver* observer);
+               const std::vector<OutputSettings>& outputs, std::vector<SourceObserver*> observers);
 
   [[nodiscard]] Result<void> start_threads();
   [[nodiscard]] std::unique_ptr<CameraPath> new_path() const;
@@ -190,7 +203,7 @@ class LivePipeline {
   const CameraCalibration calibration_;
   const ImuCalibration imu_calibration_;
   const Accelerometer accelerometer_;
-  SourceObserver* const observer_;
+  const std::vector<SourceObserver*> observers_;
   std::vector<std::unique_ptr<Output>> outputs_;
 
   BoundedQueue<Inflow, WhenFull::wait> inflow_;
@@ -202,6 +215,7 @@ class LivePipeline {
   ImuAligner aligner_;
   std::deque<VideoFrame> held_;  ///< for the orientations and for the path
   SampleRate gyro_rate_;
+  OffsetGlide glide_;  ///< of what is added to the calibration's time offset
   std::optional<SensorTime> last_frame_;
   std::optional<SensorTime> last_sample_;
   int sources_running_ = 2;
@@ -222,6 +236,8 @@ class LivePipeline {
   Histogram follow_time_;
   Histogram drawing_time_;
   Histogram drawn_age_;
+  std::atomic<SensorDuration> wanted_correction_ = SensorDuration::zero();
+  std::atomic<SensorDuration> correction_ = SensorDuration::zero();
   std::atomic<bool> is_camera_lost_ = false;
   std::atomic<bool> is_coasting_ = false;
   std::atomic<bool> has_ended_ = false;
@@ -231,6 +247,7 @@ class LivePipeline {
   std::string suspicion_;
   std::optional<CameraAttitude> attitude_;
   std::optional<GyroBias> gyro_bias_;
+  std::optional<OffsetReport> tracked_offset_;
   std::optional<Error> failure_;
   std::deque<SensorDuration> ages_;
 

@@ -20,6 +20,9 @@
 #include "daemon/service_notify.hpp"
 #include "daemon/supervisor.hpp"
 #include "drivers/clock/monotonic_now.hpp"
+#ifdef GIMBALD_HAS_OPENCV
+#include "daemon/offset_tracking.hpp"
+#endif
 #ifdef GIMBALD_HAS_GPIO
 #include "daemon/record_controls.hpp"
 #endif
@@ -133,6 +136,21 @@ Session recorded_by(const LiveSources& sources) {
   return about;
 }
 
+#ifdef GIMBALD_HAS_OPENCV
+/// Whether it is known well enough how the camera sees that its clock may be judged by it.
+bool is_calibrated(const Configuration& configuration) {
+  return configuration.source == SourceKind::replay || !configuration.calibration.file.empty();
+}
+
+/// Nothing if it is not wanted.
+Result<std::unique_ptr<OffsetTracking>> offset_tracking_for(const Configuration& configuration,
+                                                            const LiveSources& sources) {
+  if (!configuration.sync.online.value_or(is_calibrated(configuration))) return nullptr;
+  return OffsetTracking::create(sources.camera_calibration, sources.imu_calibration,
+                                configuration.sync.cpu_share);
+}
+#endif
+
 int run(const Configuration& configuration, const ListFiles& list_files) {
   const sigset_t signals = block_signals();
   auto sources = open_sources(configuration);
@@ -140,8 +158,14 @@ int run(const Configuration& configuration, const ListFiles& list_files) {
   BiasMemory memory = bias_memory_for(configuration);
   sources->remembered_bias = memory.recall(wall_now());
   Recorder recorder(configuration.recording, sources->format, recorded_by(*sources));
+  std::vector<SourceObserver*> observers = {&recorder};
+#ifdef GIMBALD_HAS_OPENCV
+  const auto tracking = offset_tracking_for(configuration, *sources);
+  if (!tracking) return report(tracking.error());
+  if (*tracking) observers.push_back(tracking->get());
+#endif
   auto pipeline = LivePipeline::start(std::move(*sources), configuration.stabilization,
-                                      configuration.outputs, &recorder);
+                                      configuration.outputs, observers);
   if (!pipeline) return report(pipeline.error());
   Supervisor daemon(**pipeline, recorder, configuration, list_files);
 #ifdef GIMBALD_HAS_GPIO
@@ -154,6 +178,11 @@ int run(const Configuration& configuration, const ListFiles& list_files) {
       configuration.control, [&](const auto&... request) { return api.answer(request...); });
   if (!control) return report(control.error());
 #endif
+#ifdef GIMBALD_HAS_OPENCV
+  if (*tracking) {
+    (*tracking)->start([&](const OffsetReport& offset) { (*pipeline)->use(offset); });
+  }
+#endif
   notify_service("READY=1");
   wait_for_end(**pipeline, daemon, memory, signals);
   notify_service("STOPPING=1");
@@ -165,6 +194,9 @@ int run(const Configuration& configuration, const ListFiles& list_files) {
   controls->reset();
 #endif
   if (recorder.status().is_recording) static_cast<void>(recorder.stop());
+#ifdef GIMBALD_HAS_OPENCV
+  if (*tracking) (*tracking)->stop();
+#endif
   (*pipeline)->stop();
   log_summary(**pipeline);
   if (const auto failure = (*pipeline)->failure()) return report(*failure);

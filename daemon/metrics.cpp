@@ -102,7 +102,7 @@ void add_source(MetricsText& text, const LiveStatus& status) {
   text.sample(status.is_coasting ? 1 : 0);
 }
 
-void add_stages(MetricsText& text, const LiveStatus& status, const LivePipeline& pipeline) {
+void add_stages(MetricsText& text, const LiveStatus& status) {
   text.family("queue_depth", "gauge", "What waits between the stages.");
   text.sample(status.inflow_depth, label("queue", "inflow"));
   text.sample(status.frames_held, label("queue", "path"));
@@ -114,9 +114,22 @@ void add_stages(MetricsText& text, const LiveStatus& status, const LivePipeline&
   text.histogram(status.drawn_age);
   text.family("gyro_rate_hertz", "gauge", "Gyroscope samples a second, by their stamps.");
   text.sample(status.gyro_rate_hz);
+}
+
+void add_time_offset(MetricsText& text, const LiveStatus& status) {
   text.family("time_offset_seconds", "gauge",
               "Added to the camera's stamps to get the IMU's clock.");
-  text.sample(to_seconds(pipeline.calibration().time_offset));
+  text.sample(to_seconds(status.time_offset));
+  if (!status.tracked_offset) return;
+  const OffsetEstimate& estimate = status.tracked_offset->estimate;
+  text.family("time_offset_known", "gauge", "Whether the tracked time offset can be told.");
+  text.sample(estimate.is_known ? 1 : 0);
+  text.family("time_offset_tracked_seconds", "gauge", "The time offset as it is tracked.");
+  text.sample(to_seconds(estimate.offset));
+  text.family("time_offset_sigma_seconds", "gauge", "Standard deviation of that.");
+  text.sample(to_seconds(estimate.sigma));
+  text.family("time_offset_cpu_seconds_total", "counter", "Processor time that tracking it took.");
+  text.sample(to_seconds(status.tracked_offset->cpu_time));
 }
 
 void add_recording(MetricsText& text, const RecordingStatus& recording) {
@@ -160,7 +173,8 @@ std::string metrics_text(const Supervisor& daemon) {
   MetricsText text;
   add_frames(text, status.counts);
   add_source(text, status);
-  add_stages(text, status, daemon.pipeline());
+  add_stages(text, status);
+  add_time_offset(text, status);
   add_outputs(text, daemon.pipeline());
   add_recording(text, daemon.recorder().status());
   return text.text();

@@ -59,6 +59,22 @@ Json as_json(const LiveCounts& counts) {
           {"no_signal", counts.no_signal_pictures}};
 }
 
+/// `verdict` in the words of gimbalctl sync; null where the offset is not tracked.
+Json time_offset_as_json(const LiveStatus& status) {
+  Json json = {{"in_use_s", to_seconds(status.time_offset)},
+               {"verdict", nullptr},
+               {"time_offset_s", nullptr},
+               {"time_offset_sigma_s", nullptr},
+               {"drift_s_per_min", nullptr}};
+  if (!status.tracked_offset) return json;
+  const OffsetEstimate& estimate = status.tracked_offset->estimate;
+  json["verdict"] = estimate.is_known ? "ok" : "cannot-tell";
+  json["time_offset_s"] = to_seconds(estimate.offset);
+  json["time_offset_sigma_s"] = to_seconds(estimate.sigma);
+  json["drift_s_per_min"] = 60 * estimate.drift;
+  return json;
+}
+
 const char* word_for(OutputState state) {
   switch (state) {
     case OutputState::starting:
@@ -151,6 +167,7 @@ Json status_as_json(const Supervisor& daemon) {
       {"orientation",
        status.attitude ? as_json(*status.attitude, pipeline.imu_calibration()) : Json(nullptr)},
       {"suspicion", status.suspicion.empty() ? Json(nullptr) : Json(status.suspicion)},
+      {"time_offset", time_offset_as_json(status)},
       {"frames", as_json(status.counts)},
       {"age_s", {{"median", to_seconds(status.age.median)}, {"p99", to_seconds(status.age.p99)}}},
       {"renderer", pipeline.renderer()},

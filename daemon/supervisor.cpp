@@ -56,6 +56,7 @@ std::vector<std::string> changed_other_keys(const Configuration& before,
   if (before.imu != after.imu || before.bias_memory != after.bias_memory) keys.emplace_back("imu");
   if (before.replay != after.replay) keys.emplace_back("replay");
   if (before.outputs != after.outputs) keys.emplace_back("outputs");
+  if (before.sync != after.sync) keys.emplace_back("sync");
   if (before.control != after.control) keys.emplace_back("control");
   if (before.gpio != after.gpio) keys.emplace_back("gpio");
   if (before.recording != after.recording) keys.emplace_back("recording");

@@ -77,6 +77,17 @@ std::string orientation_for_people(const Json& status) {
                      number_at(status, "/orientation/degrees/heading"));
 }
 
+std::string time_offset_for_people(const Json& offset) {
+  std::string text = fmt::format("{:.1f} ms in use", 1e3 * number_at(offset, "/in_use_s"));
+  const std::string verdict = text_at(offset, "/verdict");
+  if (verdict.empty()) return text;
+  if (verdict != "ok") return text + "; cannot be told at present";
+  return text + fmt::format("; tracked: {:.2f} ms ± {:.2f}, {:+.1f} ms a minute",
+                            1e3 * number_at(offset, "/time_offset_s"),
+                            1e3 * number_at(offset, "/time_offset_sigma_s"),
+                            1e3 * number_at(offset, "/drift_s_per_min"));
+}
+
 std::string frames_for_people(const Json& status) {
   std::string text =
       fmt::format("{} in, {} out", count_at(status, "/frames/in"), count_at(status, "/frames/out"));
@@ -147,6 +158,7 @@ std::string status_for_people(const Json& status) {
     text += line("", suspicion);
   }
   text += line("orientation", orientation_for_people(status));
+  text += line("time offset", time_offset_for_people(part("time_offset")));
   text += line("frames", frames_for_people(status));
   text += line("age", fmt::format("{:.1f} ms when drawn (median), {:.1f} ms (99 %)",
                                   1e3 * number_at(status, "/age_s/median"),

@@ -27,6 +27,9 @@ struct FrameStamp {
   std::int64_t index = 0;
   SensorTime time;
   std::optional<SensorDuration> exposure;
+  /// What the camera's clock was off by when this frame was taken, beyond the time offset of its
+  /// calibration: added like that.
+  SensorDuration clock_correction = {};
 };
 
 /// Where a chroma sample lies between the luma samples of its 2x2 block.

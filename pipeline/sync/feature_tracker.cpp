@@ -11,9 +11,8 @@ namespace {
 constexpr int kPyramidLevels = 4;  // moves of 2^4 windows' halves, as in a quick turn of the hand
 constexpr int kWindow_px = 15;     // small: within it rows differ in time
 constexpr double kReturn_px = 0.3;
-constexpr double kQuality = 0.01;     // of the weakest corner to the strongest (Shi and Tomasi)
-constexpr double kRenewedBelow = .8;  // share of the corners that are still followed
-constexpr int kBorder_px = 8;         // windows that leave the picture are pulled
+constexpr double kQuality = 0.01;  // of the weakest corner to the strongest (Shi and Tomasi)
+constexpr int kBorder_px = 8;      // windows that leave the picture are pulled
 
 cv::Size window() {
   return {kWindow_px, kWindow_px};
@@ -50,7 +49,8 @@ void FeatureTracker::push(const VideoFrame& frame) {
   cv::buildOpticalFlowPyramid(picture, pyramid, window(), kPyramidLevels);
   if (!followed_.empty()) follow(pyramid);
   pyramid_ = std::move(pyramid);
-  if (static_cast<double>(followed_.size()) < kRenewedBelow * settings_.corners) {
+  const auto followed = static_cast<double>(followed_.size());
+  if (followed_.empty() || followed < settings_.renewed_below * settings_.corners) {
     look_for_corners(picture);
   }
   ++next_frame_;

@@ -10,7 +10,8 @@
 namespace gimbal {
 
 struct FeatureTrackerSettings {
-  int corners = 150;  ///< as many are followed at once
+  int corners = 150;           ///< as many are followed at once
+  double renewed_below = 0.8;  ///< share of these that are still followed; 0: once all are lost
 };
 
 /// Follows corners (Shi-Tomasi) from picture to picture (Kanade-Lucas-Tomasi), forth and back:

@@ -11,9 +11,10 @@ namespace {
 
 constexpr double kUnknownSigma_s = 0.1;
 constexpr double kFoundSigma_s = 0.004;  // of what a search finds
-constexpr double kMostSigma_s = 0.01;    // before the offset is looked for anew
-constexpr int kDisagreeingPairs = 6;     // more of these than of others, too
-constexpr std::size_t kKeptPairs = 6;    // to begin that with
+constexpr double kKnownSigma_s = 0.003;
+constexpr double kMostSigma_s = 0.01;  // before the offset is looked for anew
+constexpr int kDisagreeingPairs = 6;   // more of these than of others, too
+constexpr std::size_t kKeptPairs = 6;  // to begin that with
 constexpr double kSearchedSpan_s = 8;
 constexpr int kSearchRounds = 3;  // each sees rows where the one before found them
 constexpr double kOutlier = 4;    // in medians
@@ -182,7 +183,7 @@ OffsetEstimate OffsetTracker::estimate_at(SensorTime time) const {
   OffsetFilter filter = filter_;
   if (is_found_) filter.predict(std::max(0.0, seconds_since_epoch(time) - *time_s_));
   return {duration_from_seconds(filter.offset_s()), duration_from_seconds(filter.sigma_s()),
-          filter.drift(), is_found_};
+          filter.drift(), is_found_ && filter.sigma_s() < kKnownSigma_s};
 }
 
 }  // namespace gimbal

@@ -27,8 +27,9 @@ struct FollowedBurst {
 struct OffsetEstimate {
   SensorDuration offset{};  ///< added to stamps to get the IMU's clock
   SensorDuration sigma{};
-  double drift = 0;       ///< seconds a second
-  bool is_found = false;  ///< otherwise it is being looked for, and the offset is the last known
+  double drift = 0;  ///< seconds a second
+  bool is_known =
+      false;  ///< otherwise it cannot be told, and the offset is the last that was known
 };
 
 /// Whether a burst of frames would tell anything of the offset.

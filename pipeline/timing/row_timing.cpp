@@ -42,7 +42,8 @@ SensorTime RowTiming::time_of_line(const FrameStamp& stamp, double line) const {
       reads_backwards(direction_) ? line_count_ - 1 - clamped : clamped;
   const SensorDuration after_first =
       duration_from_seconds(to_seconds(readout_) * lines_after_first / line_count_);
-  return stamp.time + time_offset_ + to_first_line(reference_, exposure, readout_) + after_first;
+  return stamp.time + stamp.clock_correction + time_offset_ +
+         to_first_line(reference_, exposure, readout_) + after_first;
 }
 
 }  // namespace gimbal

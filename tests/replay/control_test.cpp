@@ -73,6 +73,7 @@ TEST_F(Control, StatusTellsAPersonAndAProgram) {
   const json status = json::parse(text);
   EXPECT_GT(status["frames"]["out"], 0);
   EXPECT_TRUE(status["degraded"].empty());
+  EXPECT_NEAR(status["time_offset"]["in_use_s"].get<double>(), 0, 0.01);
   const auto q = status["orientation"]["q_world_imu"].get<std::vector<double>>();
   ASSERT_EQ(q.size(), 4U);
   EXPECT_NEAR(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3], 1, 1e-9);

@@ -101,6 +101,7 @@ TEST_F(Gimbald, SaysWhatIsWrongWithAConfiguration) {
            {replay + "repaet = true\n",
             "line 4: replay.\"repaet\" is not known; is replay.repeat meant?"},
            {replay + "[imu]\nbias_kept_days = 0\n", "line 5: imu.bias_kept_days must be above 0"},
+           {replay + "[sync]\ncpu_share = 0\n", "line 5: sync.cpu_share must be above 0"},
            {replay + "repeat = 1\n", "line 4: replay.repeat is \"1\"; true or false is expected"},
            {replay + "[stabilization]\namount = 2\n", "stabilization.amount must be from 0 to 1"},
            {replay + "[stabilization]\nzoom = \"big\"\n", "zoom must be \"auto\" or a ratio"},

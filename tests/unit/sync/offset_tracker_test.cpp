@@ -32,7 +32,7 @@ struct Followed {
   double time_s = 0;
   double error_s = 0;  ///< of the offset
   double sigma_s = 0;
-  bool is_found = false;
+  bool is_known = false;
 };
 
 FollowedBurst burst_at(const JointData& data, std::size_t first) {
@@ -80,7 +80,7 @@ std::vector<Followed> follow(const TrackScenario& scenario, const ClockError& cl
     const OffsetEstimate estimate = tracker.estimate_at(last.time);
     const double truth_s = to_seconds(scenario.camera.time_offset) + clock_error(time_s);
     all.push_back({time_s, to_seconds(estimate.offset) - truth_s, to_seconds(estimate.sigma),
-                   estimate.is_found});
+                   estimate.is_known});
   }
   return all;
 }
@@ -120,14 +120,14 @@ double largest_error_s(const std::vector<Followed>& all, double from_s) {
 }
 
 bool is_confidently_wrong(const Followed& one) {
-  return one.is_found && std::abs(one.error_s) > 4 * one.sigma_s;
+  return one.is_known && std::abs(one.error_s) > 4 * one.sigma_s;
 }
 
 TEST(OffsetTracker, FollowsAPhonesDrift) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     const auto all = follow(scenario_of(seed), phone_drift);
     EXPECT_LT(largest_error_s(all, 10), 1.5e-3) << "seed " << seed;
-    EXPECT_TRUE(all.back().is_found) << "seed " << seed;
+    EXPECT_TRUE(all.back().is_known) << "seed " << seed;
   }
 }
 
@@ -144,7 +144,7 @@ TEST(OffsetTracker, SaysHowUncertainItIs) {
   int count = 0;
   for (std::uint64_t seed = 21; seed <= 32; ++seed) {
     for (const Followed& one : follow(scenario_of(seed), phone_drift)) {
-      if (!one.is_found) continue;
+      if (!one.is_known) continue;
       EXPECT_FALSE(is_confidently_wrong(one)) << "seed " << seed << ", " << one.time_s << " s";
       sum += std::pow(one.error_s / one.sigma_s, 2);
       ++count;
@@ -169,7 +169,7 @@ TEST(OffsetTracker, ComesBackAfterAJump) {
       scenario.duration = std::chrono::seconds(35);
       const auto all = follow(scenario, jump_at(20, by_s));
       EXPECT_LT(largest_error_s(all, 25), 1.5e-3) << by_s << " s, seed " << seed;
-      EXPECT_TRUE(all.back().is_found);
+      EXPECT_TRUE(all.back().is_known);
     }
   }
 }
@@ -194,7 +194,7 @@ TEST(OffsetTracker, DoesNotKnowTheOffsetOfACameraOnATripod) {
   scenario.hand_sway_m = 0;
   scenario.duration = std::chrono::seconds(20);
   for (const Followed& one : follow(scenario, [](double /*time_s*/) { return 0.02; })) {
-    EXPECT_FALSE(one.is_found);
+    EXPECT_FALSE(one.is_known);
     EXPECT_DOUBLE_EQ(one.error_s, -0.02);  // that of the calibration
   }
 }
@@ -205,7 +205,7 @@ TEST(OffsetTracker, FindsNothingIfTheAxesAreNotAsTheyAreSaidToBe) {
     scenario.M_camera_imu << 0, -1, 0, -1, 0, 0, 0, 0, -1;
     scenario.duration = std::chrono::seconds(30);
     const auto all = follow(scenario, phone_drift, kNever_s, Eigen::Matrix3d::Identity());
-    EXPECT_TRUE(std::ranges::none_of(all, &Followed::is_found)) << "seed " << seed;
+    EXPECT_TRUE(std::ranges::none_of(all, &Followed::is_known)) << "seed " << seed;
   }
 }
 

@@ -85,5 +85,15 @@ TEST(RowTiming, StaysInsideTheFrame) {
   EXPECT_EQ(after_stamp(timing, 999.5), -milliseconds(4) + milliseconds(30) - microseconds(15));
 }
 
+TEST(RowTiming, AClockThatHasGoneAstrayIsPutRightFrameByFrame) {
+  CameraCalibration camera =
+      camera_with(ReadoutDirection::top_down, TimestampReference::readout_start);
+  camera.time_offset = milliseconds(-7);
+  const RowTiming timing(camera);
+  FrameStamp stamp = kStamp;
+  stamp.clock_correction = milliseconds(3);
+  EXPECT_EQ(timing.time_of_line(stamp, 500) - timing.time_of_line(kStamp, 500), milliseconds(3));
+}
+
 }  // namespace
 }  // namespace gimbal
