@@ -180,7 +180,10 @@ int run(const Configuration& configuration, const ListFiles& list_files) {
 #endif
 #ifdef GIMBALD_HAS_OPENCV
   if (*tracking) {
-    (*tracking)->start([&](const OffsetReport& offset) { (*pipeline)->use(offset); });
+    (*tracking)->start([&](const OffsetReport& offset) {
+      (*pipeline)->use(offset);
+      if (offset.estimate.is_known) recorder.correct(offset.estimate.offset);
+    });
   }
 #endif
   notify_service("READY=1");

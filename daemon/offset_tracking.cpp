@@ -20,6 +20,7 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr std::size_t kBurst_frames = 4;
+constexpr double kBurstFps = 30;  // closer frames hardly differ
 constexpr int kCorners = 40;
 constexpr SensorDuration kBetweenBursts = milliseconds(400);
 constexpr SensorDuration kReportEvery = milliseconds(200);
@@ -49,11 +50,15 @@ Result<std::unique_ptr<OffsetTracking>> OffsetTracking::create(const CameraCalib
   if (!tracker) return tl::unexpected(tracker.error());
   keep_to_own_thread();
   return std::unique_ptr<OffsetTracking>(
-      new OffsetTracking(*std::move(tracker), camera.size, cpu_share));
+      new OffsetTracking(*std::move(tracker), camera, cpu_share));
 }
 
-OffsetTracking::OffsetTracking(OffsetTracker tracker, ImageSize size, double cpu_share)
-    : block_px_(block_for(size)), cpu_share_(cpu_share), tracker_(std::move(tracker)) {}
+OffsetTracking::OffsetTracking(OffsetTracker tracker, const CameraCalibration& camera,
+                               double cpu_share)
+    : block_px_(block_for(camera.size)),
+      stride_frames_(std::max(1, static_cast<int>(std::lround(camera.fps / kBurstFps)))),
+      cpu_share_(cpu_share),
+      tracker_(std::move(tracker)) {}
 
 OffsetTracking::~OffsetTracking() {
   stop();
@@ -78,6 +83,8 @@ void OffsetTracking::stop() {
 void OffsetTracking::saw(const VideoFrame& frame) {
   last_frame_ = frame.stamp.time;
   if (growing_.empty() && monotonic_now() < next_burst_.load()) return;
+  if (!growing_.empty() && ++passed_ % stride_frames_ != 0) return;
+  passed_ = 0;
   const SensorDuration begin = thread_cpu_time();
   growing_.push_back(small_picture(frame, block_px_));
   copy_time_ = copy_time_.load() + (thread_cpu_time() - begin);

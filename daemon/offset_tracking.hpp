@@ -40,7 +40,7 @@ class OffsetTracking final : public SourceObserver {
  private:
   using Burst = std::vector<SmallPicture>;
 
-  OffsetTracking(OffsetTracker tracker, ImageSize size, double cpu_share);
+  OffsetTracking(OffsetTracker tracker, const CameraCalibration& camera, double cpu_share);
 
   // On the thread that tracks.
   void run();
@@ -53,9 +53,13 @@ class OffsetTracking final : public SourceObserver {
   [[nodiscard]] SensorDuration cpu_time() const;
 
   const int block_px_;
+  const int stride_frames_;  ///< from one frame of a burst to the next
   const double cpu_share_;
 
-  Burst growing_;  ///< on the camera's thread
+  // On the camera's thread.
+  Burst growing_;
+  int passed_ = 0;  ///< frames since the last of these
+
   std::atomic<SensorTime> next_burst_ = SensorTime::min();
   std::atomic<SensorTime> last_frame_ = SensorTime();
   std::atomic<SensorDuration> copy_time_ = SensorDuration::zero();

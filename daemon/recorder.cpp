@@ -87,6 +87,9 @@ Result<std::filesystem::path> Recorder::start() {
   Session about = about_;
   about.folder = *folder;
   about.recorded_at = rfc3339_now();
+  if (const auto offset = corrected_time_offset(); offset && about.camera) {
+    about.camera->time_offset = *offset;
+  }
   auto recording = Recording::start(std::move(about), {format_.size, format_.fps, format_.color},
                                     settings_.encoder);
   if (!recording) return tl::unexpected(recording.error());
@@ -114,6 +117,16 @@ RecordingStatus Recorder::end() {
   last_ = status_of(*ending);
   last_.is_recording = false;
   return last_;
+}
+
+void Recorder::correct(SensorDuration time_offset) {
+  const std::lock_guard lock(mutex_);
+  time_offset_ = time_offset;
+}
+
+std::optional<SensorDuration> Recorder::corrected_time_offset() const {
+  const std::lock_guard lock(mutex_);
+  return time_offset_;
 }
 
 RecordingStatus Recorder::status() const {

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "daemon/live_pipeline.hpp"
@@ -40,11 +41,15 @@ class Recorder final : public SourceObserver {
   /// Returns when all is written. bad_input if nothing is being recorded.
   [[nodiscard]] Result<RecordingStatus> stop();
 
+  /// What the time offset has turned out to be: sessions begun from now on say so.
+  void correct(SensorDuration time_offset);
+
   [[nodiscard]] RecordingStatus status() const;
 
  private:
   [[nodiscard]] Result<std::filesystem::path> new_folder() const;
   RecordingStatus end();
+  [[nodiscard]] std::optional<SensorDuration> corrected_time_offset() const;
   [[nodiscard]] std::shared_ptr<Recording> current() const;
 
   const RecordingSettings settings_;
@@ -54,6 +59,7 @@ class Recorder final : public SourceObserver {
   mutable std::mutex mutex_;    ///< of what follows; never for long
   std::shared_ptr<Recording> recording_;
   RecordingStatus last_;
+  std::optional<SensorDuration> time_offset_;  ///< other than `about` has it
 };
 
 }  // namespace gimbal
