@@ -45,7 +45,8 @@ constexpr PathWall kHardWall = {1, 3e5};
 constexpr PathWall kLastWall = {1.2, 1e8};
 
 // The stretch around a frame whose turns its view keeps to, and by how much it may exceed them.
-constexpr double kRange_s = 0.4;
+// Before and after it are a pair of steps, which a view must be able to stand through.
+constexpr double kRange_s = 0.55;
 constexpr double kOvershoot_rad = 0.75 * std::numbers::pi / 180;
 constexpr double kOvershootWeight_per_s3 = 8e5;
 
