@@ -136,6 +136,20 @@ TEST_F(CalibrateIntrinsics, TellsTheLensFromAVideo) {
   EXPECT_LE(Json::parse(run.standard_output)["views"].size(), 16U);
 }
 
+#ifdef GIMBALD_HAS_CHARUCO
+TEST_F(CalibrateIntrinsics, TellsTheLensFromACharucoBoard) {
+  const CalibrationBoard board{BoardKind::charuco, 7, 6, 0.75, "DICT_5X5_100"};
+  const test::BoardRenderer renderer(lens(), kSize, test::board_texture(board), {0.5, 2});
+  std::vector<VideoFrame> frames;
+  for (const auto& pose : test::board_poses(board, lens(), kSize, 16, 3, {.share = 0.6})) {
+    frames.push_back(renderer.render(pose, frames.size()));
+  }
+  write_pictures(frames);
+  expect_truth(calibrate({path("pictures"), "--board", "charuco:7x6", "--square", "40", "--marker",
+                          "30", "--dictionary", "DICT_5X5_100", "--json"}));
+}
+#endif
+
 // What a session.toml says beside the lens stays.
 TEST_F(CalibrateIntrinsics, KeepsWhatASessionSays) {
   write_video("session/video.mkv", pictures(16));
