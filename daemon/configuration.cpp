@@ -110,11 +110,6 @@ void read_sync(TomlTable& table, SyncSettings& settings) {
     if (!(*share > 0 && *share <= 1)) table.refuse("cpu_share", "must be above 0, and 1 at most");
     settings.cpu_share = *share;
   }
-#ifndef GIMBALD_HAS_OPENCV
-  if (settings.online.value_or(false)) {
-    table.refuse("online", "cannot be done: this gimbald was built without OpenCV");
-  }
-#endif
 }
 
 void read_replay(TomlTable& table, ReplaySettings& replay) {

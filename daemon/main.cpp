@@ -13,16 +13,15 @@
 
 #include "daemon/bias_memory.hpp"
 #include "daemon/configuration.hpp"
+#include "daemon/corner_module.hpp"
 #include "daemon/journal.hpp"
 #include "daemon/live_pipeline.hpp"
 #include "daemon/live_sources.hpp"
+#include "daemon/offset_tracking.hpp"
 #include "daemon/recorder.hpp"
 #include "daemon/service_notify.hpp"
 #include "daemon/supervisor.hpp"
 #include "drivers/clock/monotonic_now.hpp"
-#ifdef GIMBALD_HAS_OPENCV
-#include "daemon/offset_tracking.hpp"
-#endif
 #ifdef GIMBALD_HAS_GPIO
 #include "daemon/record_controls.hpp"
 #endif
@@ -136,7 +135,6 @@ Session recorded_by(const LiveSources& sources) {
   return about;
 }
 
-#ifdef GIMBALD_HAS_OPENCV
 /// Whether it is known well enough how the camera sees that its clock may be judged by it.
 bool is_calibrated(const Configuration& configuration) {
   return configuration.source == SourceKind::replay || !configuration.calibration.file.empty();
@@ -145,11 +143,18 @@ bool is_calibrated(const Configuration& configuration) {
 /// Nothing if it is not wanted.
 Result<std::unique_ptr<OffsetTracking>> offset_tracking_for(const Configuration& configuration,
                                                             const LiveSources& sources) {
-  if (!configuration.sync.online.value_or(is_calibrated(configuration))) return nullptr;
-  return OffsetTracking::create(sources.camera_calibration, sources.imu_calibration,
-                                configuration.sync.cpu_share);
+  const SyncSettings& settings = configuration.sync;
+  if (!settings.online.value_or(is_calibrated(configuration))) return nullptr;
+  const auto corners = load_corner_follower();
+  if (!corners && settings.online) return bad_input("sync.online: " + corners.error().message);
+  if (!corners) {
+    log_line(LogLevel::info, "the time offset is not tracked: " + corners.error().message,
+             {"offset", {}});
+    return nullptr;
+  }
+  return OffsetTracking::create(sources.camera_calibration, sources.imu_calibration, **corners,
+                                settings.cpu_share);
 }
-#endif
 
 int run(const Configuration& configuration, const ListFiles& list_files) {
   const sigset_t signals = block_signals();
@@ -159,11 +164,9 @@ int run(const Configuration& configuration, const ListFiles& list_files) {
   sources->remembered_bias = memory.recall(wall_now());
   Recorder recorder(configuration.recording, sources->format, recorded_by(*sources));
   std::vector<SourceObserver*> observers = {&recorder};
-#ifdef GIMBALD_HAS_OPENCV
   const auto tracking = offset_tracking_for(configuration, *sources);
   if (!tracking) return report(tracking.error());
   if (*tracking) observers.push_back(tracking->get());
-#endif
   auto pipeline = LivePipeline::start(std::move(*sources), configuration.stabilization,
                                       configuration.outputs, observers);
   if (!pipeline) return report(pipeline.error());
@@ -178,14 +181,12 @@ int run(const Configuration& configuration, const ListFiles& list_files) {
       configuration.control, [&](const auto&... request) { return api.answer(request...); });
   if (!control) return report(control.error());
 #endif
-#ifdef GIMBALD_HAS_OPENCV
   if (*tracking) {
     (*tracking)->start([&](const OffsetReport& offset) {
       (*pipeline)->use(offset);
       if (offset.estimate.is_known) recorder.correct(offset.estimate.offset);
     });
   }
-#endif
   notify_service("READY=1");
   wait_for_end(**pipeline, daemon, memory, signals);
   notify_service("STOPPING=1");
@@ -197,9 +198,7 @@ int run(const Configuration& configuration, const ListFiles& list_files) {
   controls->reset();
 #endif
   if (recorder.status().is_recording) static_cast<void>(recorder.stop());
-#ifdef GIMBALD_HAS_OPENCV
   if (*tracking) (*tracking)->stop();
-#endif
   (*pipeline)->stop();
   log_summary(**pipeline);
   if (const auto failure = (*pipeline)->failure()) return report(*failure);

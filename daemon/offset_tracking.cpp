@@ -45,17 +45,18 @@ double in_ms(SensorDuration duration) {
 
 Result<std::unique_ptr<OffsetTracking>> OffsetTracking::create(const CameraCalibration& camera,
                                                                const ImuCalibration& imu,
+                                                               const CornerFollower& corners,
                                                                double cpu_share) {
   auto tracker = OffsetTracker::create(camera, imu);
   if (!tracker) return tl::unexpected(tracker.error());
-  keep_to_own_thread();
   return std::unique_ptr<OffsetTracking>(
-      new OffsetTracking(*std::move(tracker), camera, cpu_share));
+      new OffsetTracking(*std::move(tracker), camera, corners, cpu_share));
 }
 
 OffsetTracking::OffsetTracking(OffsetTracker tracker, const CameraCalibration& camera,
-                               double cpu_share)
-    : block_px_(block_for(camera.size)),
+                               const CornerFollower& corners, double cpu_share)
+    : corners_(corners),
+      block_px_(block_for(camera.size)),
       stride_frames_(std::max(1, static_cast<int>(std::lround(camera.fps / kBurstFps)))),
       cpu_share_(cpu_share),
       tracker_(std::move(tracker)) {}
@@ -86,7 +87,7 @@ void OffsetTracking::saw(const VideoFrame& frame) {
   if (!growing_.empty() && ++passed_ % stride_frames_ != 0) return;
   passed_ = 0;
   const SensorDuration begin = thread_cpu_time();
-  growing_.push_back(small_picture(frame, block_px_));
+  growing_.push_back(corners_.small_picture(frame, block_px_));
   copy_time_ = copy_time_.load() + (thread_cpu_time() - begin);
   if (growing_.size() < kBurst_frames) return;
   next_burst_ = SensorTime::max();  // until this one is done with
@@ -112,7 +113,7 @@ void OffsetTracking::run() {
   while (const auto woken = wait_for_burst()) {
     if (!woken->empty()) {
       if (worth_of(*woken) == Worth::something) {
-        tracker_.push(follow_burst(*woken, kCorners));
+        tracker_.push(corners_.follow_burst(*woken, kCorners));
       }
       pace();
     }

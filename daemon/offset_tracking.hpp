@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "daemon/live_pipeline.hpp"
+#include "pipeline/sync/corner_follower.hpp"
 #include "pipeline/sync/offset_tracker.hpp"
-#include "pipeline/sync/small_picture.hpp"
 
 namespace gimbal {
 
@@ -22,9 +22,10 @@ class OffsetTracking final : public SourceObserver {
  public:
   using Use = std::function<void(const OffsetReport&)>;
 
-  /// `cpu_share`: of one core, at most; above 0.
+  /// `corners` lives longer. `cpu_share`: of one core, at most; above 0.
   [[nodiscard]] static Result<std::unique_ptr<OffsetTracking>> create(
-      const CameraCalibration& camera, const ImuCalibration& imu, double cpu_share);
+      const CameraCalibration& camera, const ImuCalibration& imu, const CornerFollower& corners,
+      double cpu_share);
 
   OffsetTracking(const OffsetTracking&) = delete;
   OffsetTracking& operator=(const OffsetTracking&) = delete;
@@ -40,7 +41,8 @@ class OffsetTracking final : public SourceObserver {
  private:
   using Burst = std::vector<SmallPicture>;
 
-  OffsetTracking(OffsetTracker tracker, const CameraCalibration& camera, double cpu_share);
+  OffsetTracking(OffsetTracker tracker, const CameraCalibration& camera,
+                 const CornerFollower& corners, double cpu_share);
 
   // On the thread that tracks.
   void run();
@@ -52,6 +54,7 @@ class OffsetTracking final : public SourceObserver {
   void log_changes(const OffsetEstimate& estimate);
   [[nodiscard]] SensorDuration cpu_time() const;
 
+  const CornerFollower& corners_;
   const int block_px_;
   const int stride_frames_;  ///< from one frame of a burst to the next
   const double cpu_share_;

@@ -1,6 +1,5 @@
 #include "pipeline/sync/small_picture.hpp"
 
-#include <algorithm>
 #include <cstddef>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
@@ -9,8 +8,6 @@
 
 namespace gimbal {
 namespace {
-
-constexpr int kWidth_px = 640;
 
 VideoFrame as_frame(const SmallPicture& picture) {
   VideoFrame frame;
@@ -21,10 +18,6 @@ VideoFrame as_frame(const SmallPicture& picture) {
 }
 
 }  // namespace
-
-int block_for(ImageSize size) {
-  return std::max(1, (size.width + kWidth_px / 2) / kWidth_px);
-}
 
 SmallPicture small_picture(const VideoFrame& frame, int block_px) {
   SmallPicture small{

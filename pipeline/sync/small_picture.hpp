@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -18,7 +19,10 @@ struct SmallPicture {
 };
 
 /// The blocks that leave a picture of some 640 pixels' width.
-[[nodiscard]] int block_for(ImageSize size);
+[[nodiscard]] constexpr int block_for(ImageSize size) {
+  constexpr int kWidth_px = 640;
+  return std::max(1, (size.width + kWidth_px / 2) / kWidth_px);
+}
 
 /// A copy: the frame may go.
 [[nodiscard]] SmallPicture small_picture(const VideoFrame& frame, int block_px);

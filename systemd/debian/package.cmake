@@ -1,9 +1,9 @@
-# `cpack -G DEB` in a build folder, which ./dev deb runs: gimbald, and gimbald-calibration with the
-# commands on Ceres and the larger part of OpenCV, so that a camera need not carry these.
+# `cpack -G DEB` in a build folder, which ./dev deb runs: gimbald, and gimbald-calibration with what
+# stands on OpenCV and Ceres, so that a camera need not carry these.
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_COMPONENTS_ALL Unspecified)
 set(CPACK_DEBIAN_UNSPECIFIED_PACKAGE_NAME ${PROJECT_NAME})
-if(TARGET gimbalctl-calibrate)
+if(TARGET gimbalctl-calibrate OR TARGET gimbald-corners)
   list(APPEND CPACK_COMPONENTS_ALL calibration)
 endif()
 set(CPACK_PACKAGE_CONTACT "The gimbald authors <gimbald@localhost>")
@@ -31,7 +31,8 @@ set(CPACK_DEBIAN_CALIBRATION_PACKAGE_DEPENDS "${PROJECT_NAME} (= ${PROJECT_VERSI
 set(CPACK_DEBIAN_CALIBRATION_DESCRIPTION
 "With this gimbalctl sync finds time offset, readout time and axes from an
 ordinary recording, and gimbalctl calibrate intrinsics a lens from pictures
-of a board. The daemon runs without it.")
+of a board, and the daemon tracks the time offset as it runs. It does
+without where this is not installed.")
 set(CPACK_STRIP_FILES ON)
 set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS
     OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)

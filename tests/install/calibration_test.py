@@ -1,5 +1,5 @@
 """gimbalctl runs the program with the commands on OpenCV and Ceres where it is installed, and says so where it is not;
-it loads neither library itself.
+neither it nor the daemon loads these libraries itself.
 
 Usage: calibration_test.py TREE      TREE: where bin, lib and share are installed
 """
@@ -47,9 +47,11 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         alone = shutil.copy(gimbalctl, folder)
         faults += faults_where_missing(alone)
-    faults += [f"{name} is loaded by gimbalctl" for name in libraries_of(gimbalctl)]
-    if not libraries_of(tree / "libexec/gimbald/gimbalctl-calibrate"):
-        faults.append("ldd does not show OpenCV where it must be")
+    for program in (gimbalctl, tree / "bin/gimbald"):
+        faults += [f"{name} is loaded by {program.name}" for name in libraries_of(program)]
+    for file in ("gimbalctl-calibrate", "gimbald-corners.so"):
+        if not libraries_of(tree / "libexec/gimbald" / file):
+            faults.append(f"ldd does not show OpenCV where it must be: in {file}")
     sys.exit("\n".join(faults) or 0)
 
 

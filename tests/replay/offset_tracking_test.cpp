@@ -87,8 +87,8 @@ TEST(OffsetTrackingTest, FramesAreDrawnWithTheOffsetOfACameraWhoseClockDrifts) {
   LiveSources sources = sources_of(*session);
   const auto& camera = dynamic_cast<CameraWithABadClock&>(*sources.camera);
   const SensorDuration calibrated = sources.camera_calibration.time_offset;
-  auto tracking =
-      OffsetTracking::create(sources.camera_calibration, sources.imu_calibration, kShare);
+  auto tracking = OffsetTracking::create(sources.camera_calibration, sources.imu_calibration,
+                                         *gimbald_corner_follower(), kShare);
   ASSERT_TRUE(tracking) << tracking.error().message;
   StabilizationSettings settings;
   settings.latency = 5;
