@@ -63,10 +63,9 @@ const std::map<std::string, Horizon>& horizon_names() {
 }
 
 const std::map<std::string, Border>& border_names() {
-  static const std::map<std::string, Border> names = {{"crop", Border::crop},
-                                                      {"extend", Border::extend},
-                                                      {"mirror", Border::mirror},
-                                                      {"black", Border::black}};
+  static const std::map<std::string, Border> names = {
+      {"crop", Border::crop},   {"extend", Border::extend}, {"mirror", Border::mirror},
+      {"black", Border::black}, {"blur", Border::blur},     {"fill", Border::fill}};
   return names;
 }
 

@@ -1,6 +1,7 @@
 #include "pipeline/stabilizer.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "pipeline/path/view_fit.hpp"
@@ -17,6 +18,15 @@ constexpr std::size_t kRememberedPoses = 100;
 
 /// In a sixteenth of a readout a hand's turn bends an edge by less than a tenth of a pixel.
 constexpr int kOutlinePointsPerSide = 17;
+
+/// For what only tells which frames to take.
+constexpr int kRoughPointsPerSide = 5;
+
+/// More than so many frames seldom show more.
+constexpr std::size_t kMostNeighbours = 8;
+
+/// A neighbour is drawn in part: its mesh is at least so fine, that little more is drawn.
+constexpr MeshDensity kNeighbourMesh{16, 9};
 
 /// Where borders are filled a view may turn away as far as it could at that zoom.
 constexpr double kFilledRoomZoom = 1.25;
@@ -177,8 +187,8 @@ VirtualCamera Stabilizer::camera_of(const SteadyView& view) const {
 
 bool Stabilizer::shows_border(const VirtualCamera& camera) const {
   const double zoom = camera.intrinsics.fx / unzoomed().fx;
-  return required_zoom(outline_of(camera.stamp, camera.rectified), camera.q_world_camera,
-                       unzoomed_projection(), camera_.size) *
+  return required_zoom(outline_of(camera.stamp, camera.rectified, kOutlinePointsPerSide),
+                       camera.q_world_camera, unzoomed_projection(), camera_.size) *
              kZoomMargin >
          zoom;
 }
@@ -209,15 +219,50 @@ void Stabilizer::give_way(VirtualCamera& camera) {
 }
 
 WarpMesh Stabilizer::mesh_for(const VirtualCamera& camera) const {
+  return mesh_for(camera, {1, 1});
+}
+
+WarpMesh Stabilizer::mesh_for(const VirtualCamera& camera, MeshDensity least) const {
   const LineOrientation orientation = orientation_of(camera.stamp, camera.rectified);
-  const ChosenDensity chosen =
-      options_.mesh ? ChosenDensity{*options_.mesh, std::nullopt}
-                    : choose_mesh_density(*lens_, camera_.size, camera_.readout_direction,
-                                          orientation, camera);
+  ChosenDensity chosen = options_.mesh
+                             ? ChosenDensity{*options_.mesh, std::nullopt}
+                             : choose_mesh_density(*lens_, camera_.size, camera_.readout_direction,
+                                                   orientation, camera);
+  chosen.density.columns = std::max(chosen.density.columns, least.columns);
+  chosen.density.rows = std::max(chosen.density.rows, least.rows);
   WarpMesh mesh = build_warp_mesh(*lens_, camera_.size, camera_.readout_direction, orientation,
                                   camera, camera_.size, options_.border, chosen.density);
   mesh.error_px = chosen.error_px;
   return mesh;
+}
+
+std::optional<PicturePolygon> Stabilizer::shown_outline(const FrameStamp& stamp,
+                                                        const VirtualCamera& camera) const {
+  const OutputProjection projection(camera.lens, *lens_, camera.intrinsics);
+  return pixels_of(outline_of(stamp, 1, kRoughPointsPerSide), camera.q_world_camera, projection);
+}
+
+std::vector<Neighbour> Stabilizer::neighbours_of(const VirtualCamera& camera,
+                                                 std::span<const VideoFrame> others) const {
+  const auto own = shown_outline(camera.stamp, camera);
+  std::vector<NeighbourCandidate> candidates;
+  for (const VideoFrame& other : others) {
+    NeighbourCandidate candidate;
+    const bool is_known = history_.newest().attitude.time >= readout_end(other.stamp);
+    if (is_known && own) {
+      candidate.outline_px = shown_outline(other.stamp, camera).value_or(PicturePolygon{});
+    }
+    candidate.apart_s = std::abs(to_seconds(other.stamp.time - camera.stamp.time));
+    candidates.push_back(std::move(candidate));
+  }
+  std::vector<Neighbour> neighbours;
+  if (!own) return neighbours;
+  for (const std::size_t i : choose_neighbours(camera_.size, *own, candidates, kMostNeighbours)) {
+    VirtualCamera same_view = camera;
+    same_view.stamp = others[i].stamp;
+    neighbours.push_back({others[i], mesh_for(same_view, kNeighbourMesh)});
+  }
+  return neighbours;
 }
 
 void Stabilizer::forget(const FrameStamp& stamp) {
@@ -271,13 +316,15 @@ OutputProjection Stabilizer::unzoomed_projection() const {
   return {options_.output_lens, *lens_, unzoomed()};
 }
 
-FrameOutline Stabilizer::outline_of(const FrameStamp& stamp, double rectified) const {
+FrameOutline Stabilizer::outline_of(const FrameStamp& stamp, double rectified,
+                                    int points_per_side) const {
   return trace_outline(*lens_, camera_.size, camera_.readout_direction,
-                       orientation_of(stamp, rectified), kOutlinePointsPerSide);
+                       orientation_of(stamp, rectified), points_per_side);
 }
 
 PathFrame Stabilizer::path_frame(const FramePose& real) const {
-  auto outline = std::make_shared<const FrameOutline>(outline_of(real.stamp, 1));
+  auto outline =
+      std::make_shared<const FrameOutline>(outline_of(real.stamp, 1, kOutlinePointsPerSide));
   PathFrame frame{
       real, view_room(*outline, real.q_world_camera, unzoomed_projection(), camera_.size), nullptr};
   if (options_.border != Border::crop) {

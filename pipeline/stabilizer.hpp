@@ -4,8 +4,11 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
+#include "pipeline/fill/border_fill.hpp"
+#include "pipeline/fill/neighbour_choice.hpp"
 #include "pipeline/lens/lens.hpp"
 #include "pipeline/path/camera_path.hpp"
 #include "pipeline/path/view_fade.hpp"
@@ -77,6 +80,12 @@ class Stabilizer {
   /// The way from a frame to the picture that `camera` shows of it.
   [[nodiscard]] WarpMesh mesh_for(const VirtualCamera& camera) const;
 
+  /// Of other frames, those that show the most of what the frame of `camera` leaves uncovered in
+  /// its picture, each with the way there, the nearest in time first. None where nothing is
+  /// uncovered; frames whose orientations are not known yet are not looked at.
+  [[nodiscard]] std::vector<Neighbour> neighbours_of(const VirtualCamera& camera,
+                                                     std::span<const VideoFrame> others) const;
+
   /// For a camera that runs on: no mesh of this frame or an earlier one is wanted any more.
   void forget(const FrameStamp& stamp);
 
@@ -116,7 +125,11 @@ class Stabilizer {
   [[nodiscard]] Eigen::Quaterniond q_world_camera(SensorTime time) const;
   [[nodiscard]] LineOrientation orientation_of(const FrameStamp& stamp, double rectified) const;
   [[nodiscard]] SensorTime readout_end(const FrameStamp& stamp) const;
-  [[nodiscard]] FrameOutline outline_of(const FrameStamp& stamp, double rectified) const;
+  [[nodiscard]] FrameOutline outline_of(const FrameStamp& stamp, double rectified,
+                                        int points_per_side) const;
+  [[nodiscard]] std::optional<PicturePolygon> shown_outline(const FrameStamp& stamp,
+                                                            const VirtualCamera& camera) const;
+  [[nodiscard]] WarpMesh mesh_for(const VirtualCamera& camera, MeshDensity least) const;
   [[nodiscard]] OutputProjection unzoomed_projection() const;
   [[nodiscard]] PathFrame path_frame(const FramePose& real) const;
   [[nodiscard]] VirtualCamera camera_of(const SteadyView& view) const;

@@ -94,7 +94,7 @@ void add_options(CLI::App& command, Arguments& arguments) {
       ->capture_default_str();
   command.add_option("--border", arguments.border, "What to show past the edge of the frame")
       ->transform(CLI::IsMember(names_of(border_names())))
-      ->option_text("crop|extend|mirror|black [crop]");
+      ->option_text("crop|extend|mirror|black|blur|fill [crop]");
   command.add_option("--warper", arguments.warper, "What draws [gles if there is a GPU, else cpu]")
       ->check(CLI::IsMember(names_of(warper_names())))
       ->option_text("gles|cpu");

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <deque>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -19,6 +20,8 @@
 #include "drivers/replay/replay_camera.hpp"
 #include "drivers/replay/session.hpp"
 #include "drivers/replay/stamped_log.hpp"
+#include "pipeline/fill/border_fill.hpp"
+#include "pipeline/fill/past_frames.hpp"
 #include "pipeline/path/steadiness.hpp"
 #include "pipeline/sink/frame_sink.hpp"
 #include "pipeline/stabilizer.hpp"
@@ -82,7 +85,12 @@ class Job {
   [[nodiscard]] Result<std::optional<VideoFrame>> next_frame();
   [[nodiscard]] Result<void> write_frame(const VideoFrame& frame);
   [[nodiscard]] Result<VideoFrame> draw(const VideoFrame& frame);
-  [[nodiscard]] Result<VideoFrame> warp(const VideoFrame& frame, const WarpMesh& mesh);
+  [[nodiscard]] std::size_t frames_ahead() const;
+  [[nodiscard]] std::vector<Neighbour> neighbours_of(const VirtualCamera& camera) const;
+  [[nodiscard]] Result<FilledPicture> warp(const VirtualCamera& camera, const VideoFrame& frame,
+                                           const WarpMesh& mesh);
+  [[nodiscard]] Result<FilledPicture> warp_once(const VideoFrame& frame, const WarpMesh& mesh,
+                                                const std::vector<Neighbour>& neighbours);
   [[nodiscard]] Result<void> finish();
   void measure_steadiness();
   void add_to_session();
@@ -101,6 +109,9 @@ class Job {
   std::unique_ptr<ReplayCamera> source_;
   std::optional<VideoFrame> first_frame_;  ///< read before the sink was opened
   std::unique_ptr<Warper> warper_;
+  BorderFill fill_;
+  std::deque<VideoFrame> ahead_;  ///< the frame that is drawn next, and those that may fill it
+  PastFrames past_;
   std::unique_ptr<FrameSink> sink_;
   std::optional<PathLog> path_log_;
 };
@@ -243,14 +254,28 @@ Result<std::optional<VideoFrame>> Job::next_frame() {
 Result<void> Job::write_all() {
   ProgressBar progress("stabilize", static_cast<std::int64_t>(session_.frames.size()),
                        request_.progress);
+  bool has_ended = false;
   while (true) {
-    const auto frame = next_frame();
-    if (!frame) return tl::unexpected(frame.error());
-    if (!*frame) return {};
-    ++report_.frames_in;
-    if (auto written = write_frame(**frame); !written) return written;
+    while (!has_ended && ahead_.size() <= frames_ahead()) {
+      auto frame = next_frame();
+      if (!frame) return tl::unexpected(frame.error());
+      has_ended = !*frame;
+      if (has_ended) break;
+      ++report_.frames_in;
+      ahead_.push_back(*std::move(*frame));
+    }
+    if (ahead_.empty()) return {};
+    if (auto written = write_frame(ahead_.front()); !written) return written;
+    if (request_.border == Border::fill) past_.push(ahead_.front());
+    ahead_.pop_front();
     progress.advance();
   }
+}
+
+/// A path that may not look further ahead is not filled from there either.
+std::size_t Job::frames_ahead() const {
+  if (!stabilizer_ || request_.border != Border::fill) return 0;
+  return std::min(request_.latency.value_or(kMostFramesAhead), kMostFramesAhead);
 }
 
 Result<void> Job::write_frame(const VideoFrame& frame) {
@@ -275,19 +300,38 @@ Result<VideoFrame> Job::draw(const VideoFrame& frame) {
     return failed(fmt::format("frame {} has no place on the camera's path", frame.stamp.index));
   }
   const WarpMesh mesh = stabilizer_->mesh_for(*camera);
-  note(*camera, count_border_pixels(mesh));
   note_mesh(mesh, report_.mesh);
-  return warp(frame, mesh);
+  auto drawn = warp(*camera, frame, mesh);
+  if (!drawn) return tl::unexpected(drawn.error());
+  note(*camera, drawn->border_px);
+  return std::move(drawn->picture);
 }
 
-Result<VideoFrame> Job::warp(const VideoFrame& frame, const WarpMesh& mesh) {
-  auto drawn = warper_->warp(frame, mesh);
+std::vector<Neighbour> Job::neighbours_of(const VirtualCamera& camera) const {
+  if (request_.border != Border::fill) return {};
+  std::vector<VideoFrame> others(past_.frames().begin(), past_.frames().end());
+  others.insert(others.end(), std::next(ahead_.begin()), ahead_.end());
+  return stabilizer_->neighbours_of(camera, others);
+}
+
+Result<FilledPicture> Job::warp(const VirtualCamera& camera, const VideoFrame& frame,
+                                const WarpMesh& mesh) {
+  const std::vector<Neighbour> neighbours = neighbours_of(camera);
+  auto drawn = warp_once(frame, mesh, neighbours);
   if (drawn || request_.warper || warper_->name() == "cpu") return drawn;
   warn(drawn.error().message + "; drawing on the CPU from here on");
   report_.warper_reason = drawn.error().message;
   report_.copied.warp = warper_->bytes_copied();
   warper_ = make_cpu_warper(request_);
-  return warper_->warp(frame, mesh);
+  return warp_once(frame, mesh, neighbours);
+}
+
+Result<FilledPicture> Job::warp_once(const VideoFrame& frame, const WarpMesh& mesh,
+                                     const std::vector<Neighbour>& neighbours) {
+  if (is_filled(request_.border)) return fill_.draw(*warper_, frame, mesh, neighbours);
+  auto drawn = warper_->warp(frame, mesh);
+  if (!drawn) return tl::unexpected(drawn.error());
+  return FilledPicture{std::move(*drawn), count_border_pixels(mesh)};
 }
 
 void Job::note(const VirtualCamera& camera, std::int64_t border_px) {

@@ -26,15 +26,9 @@ std::optional<std::vector<Vector2d>> seen_from(const FrameOutline& outline,
                                                const OutputProjection& projection,
                                                ImageSize output_size) {
   const Vector2d center = center_of(output_size);
-  const Eigen::Matrix3d R_camera_world = q_world_camera.conjugate().toRotationMatrix();
-  std::vector<Vector2d> points;
-  points.reserve(outline.rays_world.size());
-  for (const Eigen::Vector3f& ray_world : outline.rays_world) {
-    const Vector3d ray = R_camera_world * ray_world.cast<double>();
-    const auto pixel = projection.pixel_of(ray);
-    if (!pixel) return std::nullopt;
-    points.emplace_back((*pixel - center).cwiseQuotient(center));
-  }
+  auto points = pixels_of(outline, q_world_camera, projection);
+  if (!points) return std::nullopt;
+  for (Vector2d& point : *points) point = (point - center).cwiseQuotient(center);
   return points;
 }
 
@@ -147,6 +141,20 @@ FrameOutline trace_outline(const Lens& lens, ImageSize size, ReadoutDirection di
     }
   }
   return outline;
+}
+
+std::optional<std::vector<Vector2d>> pixels_of(const FrameOutline& outline,
+                                               const Eigen::Quaterniond& q_world_camera,
+                                               const OutputProjection& projection) {
+  const Eigen::Matrix3d R_camera_world = q_world_camera.conjugate().toRotationMatrix();
+  std::vector<Vector2d> points;
+  points.reserve(outline.rays_world.size());
+  for (const Eigen::Vector3f& ray_world : outline.rays_world) {
+    const auto pixel = projection.pixel_of(R_camera_world * ray_world.cast<double>());
+    if (!pixel) return std::nullopt;
+    points.push_back(*pixel);
+  }
+  return points;
 }
 
 double required_zoom(const FrameOutline& outline, const Eigen::Quaterniond& q_world_camera,

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "pipeline/lens/lens.hpp"
@@ -29,6 +30,11 @@ struct FrameOutline {
                                          ReadoutDirection direction,
                                          const LineOrientation& q_world_camera,
                                          int points_per_side);
+
+/// The outline as the camera's picture shows it, in its pixels; nothing if part of it is not seen.
+[[nodiscard]] std::optional<std::vector<Eigen::Vector2d>> pixels_of(
+    const FrameOutline& outline, const Eigen::Quaterniond& q_world_camera,
+    const OutputProjection& projection);
 
 /// The smallest zoom, about the centre of the output, at which every output pixel of the camera
 /// lies inside the outline; infinite if the centre itself sees past the edge. `unzoomed` is the

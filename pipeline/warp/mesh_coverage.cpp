@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "pipeline/warp/mesh_outline.hpp"
 #include "pipeline/warp/mesh_triangle.hpp"
 #include "pipeline/warp/warp_mesh.hpp"
 
@@ -111,20 +112,28 @@ std::int64_t pixels_left_of(const Eigen::Vector2d& from, const Eigen::Vector2d& 
   return from.y() < to.y() ? pixels : -pixels;
 }
 
-/// The sum over all triangles of the pixels between their left and their right edges. Edges inside
-/// of the mesh cancel to the last pixel, so that only the outline is left, walked clockwise.
-std::int64_t count_inside_outline(const FrameCells& cells, ImageSize size) {
-  std::int64_t pixels = 0;
+std::vector<OutlineEdge> outline_of(const FrameCells& cells) {
+  std::vector<OutlineEdge> edges;
   for_each_shown_cell(cells, [&](int column, int row) {
     const Eigen::Vector2d top_left = cells.output(column, row);
     const Eigen::Vector2d top_right = cells.output(column + 1, row);
     const Eigen::Vector2d bottom_left = cells.output(column, row + 1);
     const Eigen::Vector2d bottom_right = cells.output(column + 1, row + 1);
-    if (!cells.shown(column, row - 1)) pixels += pixels_left_of(top_left, top_right, size);
-    if (!cells.shown(column + 1, row)) pixels += pixels_left_of(top_right, bottom_right, size);
-    if (!cells.shown(column, row + 1)) pixels += pixels_left_of(bottom_right, bottom_left, size);
-    if (!cells.shown(column - 1, row)) pixels += pixels_left_of(bottom_left, top_left, size);
+    if (!cells.shown(column, row - 1)) edges.push_back({top_left, top_right});
+    if (!cells.shown(column + 1, row)) edges.push_back({top_right, bottom_right});
+    if (!cells.shown(column, row + 1)) edges.push_back({bottom_right, bottom_left});
+    if (!cells.shown(column - 1, row)) edges.push_back({bottom_left, top_left});
   });
+  return edges;
+}
+
+/// The sum over all triangles of the pixels between their left and their right edges. Edges inside
+/// of the mesh cancel to the last pixel, so that only the outline is left, walked clockwise.
+std::int64_t count_inside_outline(const FrameCells& cells, ImageSize size) {
+  std::int64_t pixels = 0;
+  for (const OutlineEdge& edge : outline_of(cells)) {
+    pixels += pixels_left_of(edge.from, edge.to, size);
+  }
   return pixels;
 }
 
@@ -154,6 +163,10 @@ std::int64_t count_by_marking(const FrameCells& cells, ImageSize size) {
 }
 
 }  // namespace
+
+std::vector<OutlineEdge> outline_of(const WarpMesh& mesh) {
+  return outline_of(FrameCells(mesh));
+}
 
 std::int64_t count_border_pixels(const WarpMesh& mesh) {
   const ImageSize size = mesh.output_size;

@@ -20,6 +20,8 @@ enum class Border : std::uint8_t {
   extend,  ///< the outermost pixels, stretched (the thesis' mesh larger than the frame)
   mirror,  ///< the picture mirrored at its edge
   black,
+  blur,  ///< a blurred continuation of the picture
+  fill,  ///< what frames before and after show there, and a blurred continuation where none does
 };
 
 /// Where a point of the source lies in the output. Both in pixels, whole at pixel centres.

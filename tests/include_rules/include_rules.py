@@ -12,6 +12,7 @@ from pathlib import Path
 
 # What a stage stands on, beside itself, `sample` and `queue`.
 STAGE_STANDS_ON = {
+    "fill": {"warp"},
     "intrinsics": {"lens"},
     "smoother": {"estimator"},
     "sink": {"gstreamer"},

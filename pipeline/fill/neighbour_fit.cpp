@@ -1,0 +1,176 @@
+#include "pipeline/fill/neighbour_fit.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "pipeline/fill/cell_extension.hpp"
+
+namespace gimbal {
+namespace {
+
+// Luma that the same thing may differ by in two pictures: noise, and the share of the contrast
+// around it that a wrong sub-pixel or two make.
+constexpr float kUsualNoise = 5;
+constexpr float kShareOfContrast = 0.2F;
+
+// Of what it may differ by: what is still trusted wholly, and what is not trusted at all.
+constexpr float kTrusted = 0.7F;
+constexpr float kDistrusted = 1.4F;
+constexpr float kMostDisagreement = 4;
+
+/// What differs by more is another thing, not another light.
+constexpr float kMostUnevenness = 12;
+
+/// A cell that both pictures show.
+struct SharedCell {
+  CellPlace place;
+  CellPair looks;
+  float weight = 0;  ///< of what lies past the edge, for that
+  float disagreement = 0;
+  float trust = 0;
+};
+
+/// All of them, to be found by place, too.
+class SharedCells {
+ public:
+  explicit SharedCells(const CellGrid& grid) : grid_(grid), indices_(grid.cells(), kNone) {}
+
+  void add(const SharedCell& cell) {
+    indices_[grid_.index(cell.place)] = static_cast<int>(cells_.size());
+    cells_.push_back(cell);
+  }
+
+  [[nodiscard]] std::vector<SharedCell>& all() { return cells_; }
+
+  /// Calls visit(cell) for it and those around it.
+  template <typename Visit>
+  void for_each_around(CellPlace place, Visit&& visit) const {
+    for (int row = place.row - 1; row <= place.row + 1; ++row) {
+      for (int column = place.column - 1; column <= place.column + 1; ++column) {
+        const bool exists =
+            column >= 0 && column < grid_.columns() && row >= 0 && row < grid_.rows();
+        if (!exists) continue;
+        const int index = indices_[grid_.index({column, row})];
+        if (index != kNone) visit(cells_[static_cast<std::size_t>(index)]);
+      }
+    }
+  }
+
+ private:
+  static constexpr int kNone = -1;
+  const CellGrid& grid_;
+  std::vector<SharedCell> cells_;
+  std::vector<int> indices_;
+};
+
+float smooth_step(float x) {
+  const float held = std::clamp(x, 0.0F, 1.0F);
+  return held * held * (3 - 2 * held);
+}
+
+SharedCells find_shared(const CellGrid& grid, const ShownPart& there, const ShownPart& neighbour,
+                        float reach_px) {
+  SharedCells shared(grid);
+  grid.for_each_cell([&](CellPlace place) {
+    const float depth_px = least_corner(grid, there.depth_px, place);
+    const bool is_shared = is_whole(grid, place) && depth_px >= 1 && depth_px < reach_px &&
+                           least_corner(grid, neighbour.depth_px, place) >= 1;
+    if (!is_shared) return;
+    SharedCell cell{place,
+                    {look_at(there.planes, grid, place), look_at(neighbour.planes, grid, place)}};
+    const float nearness = 1 - depth_px / reach_px;
+    cell.weight = nearness * nearness;
+    shared.add(cell);
+  });
+  return shared;
+}
+
+std::vector<CellPair> looks_of(SharedCells& shared) {
+  std::vector<CellPair> looks;
+  for (const SharedCell& cell : shared.all()) looks.push_back(cell.looks);
+  return looks;
+}
+
+/// Of the luma in both pictures.
+float contrast_around(const SharedCells& shared, CellPlace place) {
+  float least = std::numeric_limits<float>::max();
+  float most = 0;
+  shared.for_each_around(place, [&](const SharedCell& cell) {
+    for (const CellLook* look : {&cell.looks.wanted, &cell.looks.given}) {
+      const auto [low, high] = std::minmax_element(look->luma.begin(), look->luma.end());
+      least = std::min(least, *low);
+      most = std::max(most, *high);
+    }
+  });
+  return most - least;
+}
+
+void judge(SharedCells& shared, const Tone& tone) {
+  for (SharedCell& cell : shared.all()) {
+    float off = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      off += std::abs(cell.looks.wanted.luma[i] - tone.luma(cell.looks.given.luma[i])) / 4;
+    }
+    const float allowed = kUsualNoise + kShareOfContrast * contrast_around(shared, cell.place);
+    cell.disagreement = std::min(off / allowed, kMostDisagreement);
+  }
+  for (SharedCell& cell : shared.all()) {
+    float sum = 0;
+    int cells = 0;
+    shared.for_each_around(cell.place, [&](const SharedCell& other) {
+      sum += other.disagreement;
+      ++cells;
+    });
+    const float mean = sum / static_cast<float>(cells);
+    cell.trust = smooth_step((kDistrusted - mean) / (kDistrusted - kTrusted));
+  }
+}
+
+float held_difference(float wanted, float given) {
+  return std::clamp(wanted - given, -kMostUnevenness, kMostUnevenness);
+}
+
+NodeField extended_trust(const CellGrid& grid, SharedCells& shared) {
+  std::vector<CellValues> cells(grid.cells());
+  for (const SharedCell& cell : shared.all()) {
+    CellValues& values = cells[grid.index(cell.place)];
+    values.values[0] = cell.trust;
+    values.weight = cell.weight;
+  }
+  extend(grid, cells);
+  std::vector<float> trust;
+  for (const CellValues& cell : cells) trust.push_back(cell.values[0]);
+  return mean_at_nodes(grid, trust);
+}
+
+std::array<NodeField, 3> extended_difference(const CellGrid& grid, SharedCells& shared,
+                                             const Tone& tone) {
+  std::vector<CellValues> cells(grid.cells());
+  for (const SharedCell& cell : shared.all()) {
+    const auto& [wanted, given] = cell.looks;
+    CellValues& known = cells[grid.index(cell.place)];
+    known.weight = 0.25F * cell.weight * cell.trust;  // less than all: neighbours smooth it
+    known.values << held_difference(wanted.mean_luma(), tone.luma(given.mean_luma())),
+        held_difference(wanted.chroma[0], tone.chroma(given.chroma[0], 0)),
+        held_difference(wanted.chroma[1], tone.chroma(given.chroma[1], 1)), 0;
+  }
+  extend(grid, cells);
+  return fields_of(grid, cells);
+}
+
+}  // namespace
+
+NeighbourFit fit_neighbour(const CellGrid& grid, const ShownPart& there, const ShownPart& neighbour,
+                           float reach_px, float black) {
+  SharedCells shared = find_shared(grid, there, neighbour, reach_px);
+  NeighbourFit fit;
+  const std::vector<CellPair> looks = looks_of(shared);
+  fit.tone = match_tones(looks, black);
+  fit.shift_px = seam_shift_px(looks, fit.tone);
+  judge(shared, fit.tone);
+  fit.trust = extended_trust(grid, shared);
+  fit.difference = extended_difference(grid, shared, fit.tone);
+  return fit;
+}
+
+}  // namespace gimbal
