@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "daemon/journal.hpp"
@@ -258,6 +259,7 @@ void LivePipeline::take(const StabilizationSettings& settings) {
 void LivePipeline::take(SourceLost) {
   stabilizer_.begin_path(new_path());
   hand_on_all();
+  past_.clear();
 }
 
 void LivePipeline::take(SourceEnd) {
@@ -299,9 +301,28 @@ void LivePipeline::hand_on(const VirtualCamera& camera) {
     suspicion_ = stabilizer_.suspicion();
     gyro_bias_ = stabilizer_.gyro_bias();
   }
-  drawings_.push({std::move(held_.front()), stabilizer_.mesh_for(camera)});
+  drawings_.push({held_.front(), stabilizer_.mesh_for(camera), neighbours_of(camera)});
+  let_go_of_first();
+}
+
+std::vector<Neighbour> LivePipeline::neighbours_of(const VirtualCamera& camera) const {
+  if (settings_.border != Border::fill) return {};
+  std::vector<VideoFrame> others(past_.frames().begin(), past_.frames().end());
+  const std::size_t ahead =
+      std::min({held_.size() - 1, settings_.latency.value_or(kMostFramesAhead), kMostFramesAhead});
+  const auto next = std::next(held_.begin());
+  others.insert(others.end(), next, next + static_cast<std::ptrdiff_t>(ahead));
+  return stabilizer_.neighbours_of(camera, others);
+}
+
+void LivePipeline::let_go_of_first() {
+  if (settings_.border == Border::fill) {
+    past_.push(held_.front());
+  } else {
+    past_.clear();
+  }
+  stabilizer_.forget(past_.frames().empty() ? held_.front().stamp : past_.frames().front().stamp);
   held_.pop_front();
-  stabilizer_.forget(camera.stamp);
 }
 
 // --- drawing ------------------------------------------------------------------------------------
@@ -347,7 +368,7 @@ Result<std::unique_ptr<Warper>> LivePipeline::open_warper() {
 
 /// A renderer that was reset is opened again; one that fails twice has failed.
 Result<VideoFrame> LivePipeline::draw_one(std::unique_ptr<Warper>& warper, const Drawing& drawing) {
-  auto drawn = warper->warp(drawing.frame, drawing.mesh);
+  auto drawn = draw_with(*warper, drawing);
   if (drawn) return drawn;
   log_line(LogLevel::error, drawn.error().message + "; opening the renderer again",
            {"renderer", {}});
@@ -355,7 +376,14 @@ Result<VideoFrame> LivePipeline::draw_one(std::unique_ptr<Warper>& warper, const
   auto again = open_warper();
   if (!again) return tl::unexpected(again.error());
   warper = std::move(*again);
-  return warper->warp(drawing.frame, drawing.mesh);
+  return draw_with(*warper, drawing);
+}
+
+Result<VideoFrame> LivePipeline::draw_with(Warper& warper, const Drawing& drawing) {
+  if (!is_filled(drawing.mesh.border)) return warper.warp(drawing.frame, drawing.mesh);
+  auto filled = fill_.draw(warper, drawing.frame, drawing.mesh, drawing.neighbours);
+  if (!filled) return tl::unexpected(filled.error());
+  return std::move(filled->picture);
 }
 
 /// Stamped as late as a frame would be that is drawn now.

@@ -19,6 +19,8 @@
 #include "daemon/stabilization.hpp"
 #include "drivers/camera_source.hpp"
 #include "drivers/imu_source.hpp"
+#include "pipeline/fill/border_fill.hpp"
+#include "pipeline/fill/past_frames.hpp"
 #include "pipeline/queue/bounded_queue.hpp"
 #include "pipeline/sample/calibration.hpp"
 #include "pipeline/stabilizer.hpp"
@@ -161,6 +163,7 @@ class LivePipeline {
   struct Drawing {
     VideoFrame frame;
     WarpMesh mesh;
+    std::vector<Neighbour> neighbours;  ///< for border fill
   };
 
   LivePipeline(LiveSources sources, Stabilizer stabilizer, const StabilizationSettings& settings,
@@ -186,11 +189,14 @@ class LivePipeline {
   void coast_if_the_imu_is_silent(const FrameStamp& stamp);
   void hand_on_all();
   void hand_on(const VirtualCamera& camera);
+  [[nodiscard]] std::vector<Neighbour> neighbours_of(const VirtualCamera& camera) const;
+  void let_go_of_first();
 
   // On the thread of `draw`.
   [[nodiscard]] Result<std::unique_ptr<Warper>> open_warper();
   [[nodiscard]] Result<VideoFrame> draw_one(std::unique_ptr<Warper>& warper,
                                             const Drawing& drawing);
+  [[nodiscard]] Result<VideoFrame> draw_with(Warper& warper, const Drawing& drawing);
   void draw_no_signal();
   void show(VideoFrame frame);
 
@@ -214,6 +220,7 @@ class LivePipeline {
   Stabilizer stabilizer_;
   ImuAligner aligner_;
   std::deque<VideoFrame> held_;  ///< for the orientations and for the path
+  PastFrames past_;              ///< for border fill
   SampleRate gyro_rate_;
   OffsetGlide glide_;  ///< of what is added to the calibration's time offset
   std::optional<SensorTime> last_frame_;
@@ -221,6 +228,7 @@ class LivePipeline {
   int sources_running_ = 2;
 
   // Used by `draw` alone.
+  BorderFill fill_;
   std::optional<VideoFrame> no_signal_;  ///< drawn when it is first wanted
   std::optional<SensorTime> last_shown_;
 

@@ -248,8 +248,7 @@ std::vector<Neighbour> Stabilizer::neighbours_of(const VirtualCamera& camera,
   std::vector<NeighbourCandidate> candidates;
   for (const VideoFrame& other : others) {
     NeighbourCandidate candidate;
-    const bool is_known = history_.newest().attitude.time >= readout_end(other.stamp);
-    if (is_known && own) {
+    if (own && knows_readout_of(other.stamp)) {
       candidate.outline_px = shown_outline(other.stamp, camera).value_or(PicturePolygon{});
     }
     candidate.apart_s = std::abs(to_seconds(other.stamp.time - camera.stamp.time));
@@ -266,8 +265,7 @@ std::vector<Neighbour> Stabilizer::neighbours_of(const VirtualCamera& camera,
 }
 
 void Stabilizer::forget(const FrameStamp& stamp) {
-  history_.forget_before(
-      std::min(timing_.time_of_line(stamp, 0), timing_.time_of_line(stamp, timing_.line_count())));
+  history_.forget_before(readout_begin(stamp));
 }
 
 FramePose Stabilizer::real_pose(const FrameStamp& stamp) const {
@@ -301,6 +299,16 @@ LineOrientation Stabilizer::orientation_of(const FrameStamp& stamp, double recti
   return [as_exposed, rectified, q = real_pose(stamp).q_world_camera](double line) {
     return q.slerp(rectified, as_exposed(line));
   };
+}
+
+SensorTime Stabilizer::readout_begin(const FrameStamp& stamp) const {
+  return std::min(timing_.time_of_line(stamp, 0),
+                  timing_.time_of_line(stamp, timing_.line_count()));
+}
+
+bool Stabilizer::knows_readout_of(const FrameStamp& stamp) const {
+  return !history_.empty() && history_.oldest().attitude.time <= readout_begin(stamp) &&
+         history_.newest().attitude.time >= readout_end(stamp);
 }
 
 SensorTime Stabilizer::readout_end(const FrameStamp& stamp) const {

@@ -82,7 +82,7 @@ class Stabilizer {
 
   /// Of other frames, those that show the most of what the frame of `camera` leaves uncovered in
   /// its picture, each with the way there, the nearest in time first. None where nothing is
-  /// uncovered; frames whose orientations are not known yet are not looked at.
+  /// uncovered; frames whose orientations are not known, or not any more, are not looked at.
   [[nodiscard]] std::vector<Neighbour> neighbours_of(const VirtualCamera& camera,
                                                      std::span<const VideoFrame> others) const;
 
@@ -124,6 +124,8 @@ class Stabilizer {
 
   [[nodiscard]] Eigen::Quaterniond q_world_camera(SensorTime time) const;
   [[nodiscard]] LineOrientation orientation_of(const FrameStamp& stamp, double rectified) const;
+  [[nodiscard]] SensorTime readout_begin(const FrameStamp& stamp) const;
+  [[nodiscard]] bool knows_readout_of(const FrameStamp& stamp) const;
   [[nodiscard]] SensorTime readout_end(const FrameStamp& stamp) const;
   [[nodiscard]] FrameOutline outline_of(const FrameStamp& stamp, double rectified,
                                         int points_per_side) const;

@@ -21,8 +21,15 @@ void copy_rows(const ConstPlane& from, const MutablePlane& to, int row_bytes, in
 }
 
 // A neighbour that lies so well is not drawn again.
-constexpr float kGoodFit_px = 0.4F;
-constexpr int kMostPasses = 4;
+constexpr float kGoodFit_px = 0.5F;
+constexpr int kMostPasses = 3;
+
+// Orientations are not further apart: what is, is something else.
+constexpr float kMostMoved_px = 12;
+
+Eigen::Vector2f held(const Eigen::Vector2f& moved_px) {
+  return moved_px.cwiseMax(-kMostMoved_px).cwiseMin(kMostMoved_px);
+}
 
 WarpMesh moved(const WarpMesh& mesh, const Eigen::Vector2f& by_px) {
   WarpMesh moved = mesh;
@@ -58,7 +65,7 @@ Result<FilledPicture> BorderFill::draw(Warper& warper, const VideoFrame& frame,
 }
 
 Result<void> BorderFill::take_from(Warper& warper, const Neighbour& neighbour, double later_s) {
-  Eigen::Vector2f moved_px = drift_.expected_px(later_s);
+  Eigen::Vector2f moved_px = held(drift_.expected_px(later_s));
   for (int pass = 1;; ++pass) {
     const WarpMesh mesh = moved(neighbour.mesh, moved_px);
     const NodeField depth_px =
@@ -68,8 +75,9 @@ Result<void> BorderFill::take_from(Warper& warper, const Neighbour& neighbour, d
     if (!drawn) return tl::unexpected(drawn.error());
     const ShownPart shown{drawn->planes, depth_px};
     const NeighbourFit fit = composition_.fit(shown);
-    moved_px += fit.shift_px;
-    if (fit.shift_px.norm() > kGoodFit_px && pass < kMostPasses) continue;
+    const bool lies_well = fit.shift_px.norm() < kGoodFit_px;
+    moved_px = held(moved_px + fit.shift_px);
+    if (!lies_well && pass < kMostPasses) continue;
     drift_.learn(later_s, moved_px);
     composition_.lay_beneath(shown, fit);
     return {};

@@ -19,6 +19,9 @@ constexpr float kReachPerBand = 2;
 /// is drawn.
 constexpr float kEdge_px = 1;
 
+/// A picture that shows less more, of all nodes, is not worth drawing.
+constexpr float kLeastGain = 5e-4F;
+
 constexpr float kOpaque = 255;
 constexpr std::uint8_t kMostlyThere = 128;
 
@@ -108,10 +111,11 @@ void Composition::mark_edge() {
 }
 
 bool Composition::gains_from(const NodeField& depth_px) const {
+  std::size_t gained = 0;
   for (std::size_t i = 0; i < depth_px.size(); ++i) {
-    if (depth_px_[i] < kEdge_px && depth_px[i] > kEdge_px) return true;
+    if (depth_px_[i] < kEdge_px && depth_px[i] > kEdge_px) ++gained;
   }
-  return false;
+  return static_cast<float>(gained) > kLeastGain * static_cast<float>(depth_px.size());
 }
 
 bool Composition::is_near_gap(CellPlace cell) const {
@@ -129,7 +133,10 @@ NeighbourFit Composition::fit(const ShownPart& neighbour) const {
 
 void Composition::lay_beneath(const ShownPart& neighbour, const NeighbourFit& fit) {
   for (const CellPlace& cell : open_) {
-    if (!is_near_gap(cell) || greatest_corner(grid_, neighbour.depth_px, cell) < kEdge_px) continue;
+    const bool gives = least_corner(grid_, depth_px_, cell) < band_px_ + kEdge_px &&
+                       greatest_corner(grid_, neighbour.depth_px, cell) > kEdge_px &&
+                       greatest_corner(grid_, fit.trust, cell) > 0;
+    if (!gives) continue;
     const CellShares shares = take_on(cell, neighbour.depth_px, fit.trust);
     blend(cell, shares, neighbour.planes, fit);
   }

@@ -37,7 +37,8 @@ class AttitudeHistory {
 
   [[nodiscard]] bool empty() const { return entries_.empty(); }
   [[nodiscard]] std::size_t size() const { return entries_.size(); }
-  /// Precondition: not empty.
+  /// Precondition of both: not empty.
+  [[nodiscard]] const AttitudeEstimate& oldest() const { return entries_.front().estimate; }
   [[nodiscard]] const AttitudeEstimate& newest() const { return entries_.back().estimate; }
 
  private:
