@@ -368,7 +368,7 @@ Result<void> Job::finish() {
   report_.warper = warper_ ? warper_->name() : "none";
   report_.renderer = warper_ ? warper_->renderer() : "";
   report_.copied.decode = source_->bytes_copied();
-  report_.copied.warp += warper_ ? warper_->bytes_copied() : 0;
+  report_.copied.warp += (warper_ ? warper_->bytes_copied() : 0) + fill_.bytes_copied();
   report_.copied.encode = sink_->bytes_copied().value_or(0);
   add_to_session();
   return request_.report.empty() ? Result<void>{} : write_report(report_, request_.report);

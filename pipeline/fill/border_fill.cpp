@@ -114,6 +114,8 @@ Nv12Buffer BorderFill::copy_of(const VideoFrame& picture) {
   const ImageSize chroma = chroma_size(picture.size);
   copy_rows(picture.planes[0], copy.luma(), picture.size.width, picture.size.height);
   copy_rows(picture.planes[1], copy.chroma(), 2 * chroma.width, chroma.height);
+  bytes_copied_ += std::int64_t{picture.size.width} * picture.size.height +
+                   2 * std::int64_t{chroma.width} * chroma.height;
   return copy;
 }
 

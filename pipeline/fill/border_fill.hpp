@@ -42,6 +42,9 @@ class BorderFill {
                                            const WarpMesh& mesh,
                                            std::span<const Neighbour> neighbours);
 
+  /// Of all frames so far, beside what the warper copies: pictures that were changed.
+  [[nodiscard]] std::int64_t bytes_copied() const { return bytes_copied_; }
+
  private:
   [[nodiscard]] Nv12Buffer copy_of(const VideoFrame& picture);
   [[nodiscard]] WarpMesh near_gap(const WarpMesh& mesh) const;
@@ -50,6 +53,7 @@ class BorderFill {
   Composition composition_;
   SeamDrift drift_;
   PicturePool pool_;
+  std::int64_t bytes_copied_ = 0;
 };
 
 }  // namespace gimbal

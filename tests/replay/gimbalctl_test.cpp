@@ -194,6 +194,32 @@ TEST_F(Gimbalctl, TheOutputsLensIsAsAsked) {
   EXPECT_THAT(both.standard_error, testing::HasSubstr("--output-fov"));
 }
 
+TEST_F(Gimbalctl, BordersAreFilledFromOtherFrames) {
+  const auto border_px = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> all = {"-o", path("out.y4m"), "--path-log", path("path.csv"),
+                                    "--border"};
+    all.insert(all.end(), options.begin(), options.end());
+    const double total = stabilize(all)["border_px"]["total"];
+    double logged = 0;
+    const std::vector<std::string> lines = lines_of(path("path.csv"));
+    for (std::size_t i = 1; i < lines.size(); ++i) {
+      logged += std::stod(lines[i].substr(lines[i].rfind(',') + 1));
+    }
+    EXPECT_EQ(logged, total);
+    return total;
+  };
+  const double black = border_px({"black"});
+  const double blurred = border_px({"blur"});
+  const double filled = border_px({"fill"});
+  const std::vector<std::string> first = lines_of(path("out.y4m"));
+  EXPECT_GT(black, 0);
+  EXPECT_GE(blurred, black) << "blurred is not filled";
+  EXPECT_LT(filled, 0.2 * black);
+  EXPECT_LT(border_px({"fill", "--latency", "5"}), 0.4 * border_px({"black", "--latency", "5"}));
+  EXPECT_EQ(border_px({"fill"}), filled);
+  EXPECT_EQ(lines_of(path("out.y4m")), first);
+}
+
 TEST_F(Gimbalctl, SoftwareGlesIsTakenOnlyWhenAskedFor) {
   ASSERT_EQ(setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1), 0);  // Mesa's; for the programs run from here
   const Json unset = stabilize_with({}, {"-o", path("out.mkv")});

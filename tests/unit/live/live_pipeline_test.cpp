@@ -247,6 +247,25 @@ TEST_F(LivePipelineTest, OtherChoicesCostNoFrame) {
   EXPECT_EQ(pipeline_->counts().dropped_out_of_order, 0U);
 }
 
+TEST_F(LivePipelineTest, BordersAreFilledWithoutALoss) {
+  for (const Border border : {Border::fill, Border::blur, Border::fill}) {
+    StabilizationSettings other;
+    other.latency = 2;
+    other.border = border;
+    pipeline_->apply(other);
+    ASSERT_TRUE(frames_come());
+  }
+  camera_.plug(Plug::out);
+  ASSERT_TRUE(comes_true([&] { return pipeline_->counts().no_signal_pictures > 10; }));
+  camera_.plug(Plug::in);
+  ASSERT_TRUE(frames_come());
+  pipeline_->stop();
+  expect_that_frames_add_up();
+  for (const std::uint8_t level : written()) {
+    EXPECT_TRUE(level == kLevel || level == kGreyOfNoSignal) << int{level};  // black nowhere
+  }
+}
+
 TEST_F(LivePipelineTest, AFrameFromTheFutureIsLeftOutAlone) {
   ASSERT_TRUE(frames_come());
   camera_.jump_ahead_once();
