@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <array>
 
 #include "pipeline/fill/cell_grid.hpp"
@@ -16,6 +17,12 @@ struct CellLook {
   std::array<float, 2> chroma{};
 
   [[nodiscard]] float mean_luma() const { return (luma[0] + luma[1] + luma[2] + luma[3]) / 4; }
+
+  /// To the right and down, a pixel.
+  [[nodiscard]] Eigen::Vector2f luma_gradient() const {
+    const auto& [a, b, c, d] = luma;
+    return Eigen::Vector2f((b + d) - (a + c), (c + d) - (a + b)) / CellGrid::kCellPx;
+  }
 };
 
 /// Precondition: the cell is not cut (`is_whole`).

@@ -1,32 +1,36 @@
 #include "pipeline/fill/neighbour_fit.hpp"
 
 #include <cmath>
-#include <limits>
 
 #include "pipeline/fill/cell_extension.hpp"
 
 namespace gimbal {
 namespace {
 
-// Luma that the same thing may differ by in two pictures: noise, and the share of the contrast
-// around it that a wrong sub-pixel or two make.
+// What the same thing may differ by in two pictures: its noise, and what a pixel's shift makes.
 constexpr float kUsualNoise = 5;
-constexpr float kShareOfContrast = 0.2F;
+constexpr float kUsualShift_px = 1.6F;
 
 // Of what it may differ by: what is still trusted wholly, and what is not trusted at all.
-constexpr float kTrusted = 0.7F;
-constexpr float kDistrusted = 1.4F;
+constexpr float kTrusted = 0.6F;
+constexpr float kDistrusted = 1.2F;
 constexpr float kMostDisagreement = 4;
 
 /// What differs by more is another thing, not another light.
 constexpr float kMostUnevenness = 12;
+
+/// How much the two pictures of a cell differ, and may differ if both show the same.
+struct Disagreement {
+  float off = 0;
+  float allowed = 0;
+};
 
 /// A cell that both pictures show.
 struct SharedCell {
   CellPlace place;
   CellPair looks;
   float weight = 0;  ///< of what lies past the edge, for that
-  float disagreement = 0;
+  Disagreement disagreement = {};
   float trust = 0;
 };
 
@@ -91,38 +95,28 @@ std::vector<CellPair> looks_of(SharedCells& shared) {
   return looks;
 }
 
-/// Of the luma in both pictures.
-float contrast_around(const SharedCells& shared, CellPlace place) {
-  float least = std::numeric_limits<float>::max();
-  float most = 0;
-  shared.for_each_around(place, [&](const SharedCell& cell) {
-    for (const CellLook* look : {&cell.looks.wanted, &cell.looks.given}) {
-      const auto [low, high] = std::minmax_element(look->luma.begin(), look->luma.end());
-      least = std::min(least, *low);
-      most = std::max(most, *high);
-    }
-  });
-  return most - least;
+Disagreement disagreement_of(const CellPair& looks, const Tone& tone) {
+  const float gradient =
+      std::max(looks.wanted.luma_gradient().norm(), tone.gain * looks.given.luma_gradient().norm());
+  Disagreement cell;
+  cell.allowed = kUsualNoise + kUsualShift_px * gradient;
+  for (std::size_t i = 0; i < 4; ++i) {
+    cell.off += std::abs(looks.wanted.luma[i] - tone.luma(looks.given.luma[i])) / 4;
+  }
+  cell.off = std::min(cell.off, kMostDisagreement * cell.allowed);
+  return cell;
 }
 
 void judge(SharedCells& shared, const Tone& tone) {
+  for (SharedCell& cell : shared.all()) cell.disagreement = disagreement_of(cell.looks, tone);
   for (SharedCell& cell : shared.all()) {
-    float off = 0;
-    for (std::size_t i = 0; i < 4; ++i) {
-      off += std::abs(cell.looks.wanted.luma[i] - tone.luma(cell.looks.given.luma[i])) / 4;
-    }
-    const float allowed = kUsualNoise + kShareOfContrast * contrast_around(shared, cell.place);
-    cell.disagreement = std::min(off / allowed, kMostDisagreement);
-  }
-  for (SharedCell& cell : shared.all()) {
-    float sum = 0;
-    int cells = 0;
+    Disagreement around;
     shared.for_each_around(cell.place, [&](const SharedCell& other) {
-      sum += other.disagreement;
-      ++cells;
+      around.off += other.disagreement.off;
+      around.allowed += other.disagreement.allowed;
     });
-    const float mean = sum / static_cast<float>(cells);
-    cell.trust = smooth_step((kDistrusted - mean) / (kDistrusted - kTrusted));
+    const float share = around.off / around.allowed;
+    cell.trust = smooth_step((kDistrusted - share) / (kDistrusted - kTrusted));
   }
 }
 

@@ -5,8 +5,6 @@
 namespace gimbal {
 namespace {
 
-constexpr int kHalfPx = CellGrid::kCellPx / 2;
-
 /// A cell that differs by more is likely to show something else.
 constexpr float kUsualDifference = 12;
 
@@ -19,12 +17,6 @@ constexpr double kMemory = 0.97;
 /// As if it had been seen once over so long that nothing drifts.
 constexpr double kPrior_s = 0.05;
 
-/// Levels a pixel.
-Eigen::Vector2f gradient_of(const CellLook& look) {
-  const auto& [a, b, c, d] = look.luma;
-  return Eigen::Vector2f((b + d) - (a + c), (c + d) - (a + b)) / (2 * kHalfPx);
-}
-
 }  // namespace
 
 Eigen::Vector2f seam_shift_px(const std::vector<CellPair>& pairs, const Tone& tone) {
@@ -32,7 +24,7 @@ Eigen::Vector2f seam_shift_px(const std::vector<CellPair>& pairs, const Tone& to
   Eigen::Vector2f product = Eigen::Vector2f::Zero();
   for (const CellPair& pair : pairs) {
     const Eigen::Vector2f gradient =
-        (gradient_of(pair.wanted) + tone.gain * gradient_of(pair.given)) / 2;
+        (pair.wanted.luma_gradient() + tone.gain * pair.given.luma_gradient()) / 2;
     const float off = tone.luma(pair.given.mean_luma()) - pair.wanted.mean_luma();
     const float weight = 1 / (1 + (off / kUsualDifference) * (off / kUsualDifference));
     information += weight * gradient * gradient.transpose();

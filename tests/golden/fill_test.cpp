@@ -327,28 +327,28 @@ VirtualCamera real_camera(const FrameStamp& stamp) {
   return camera;
 }
 
-/// Rows in which the frame's right edge cuts the ball, and those of them in which the picture
-/// changes there by far more than the truth does, or does not show what the frame shows.
+/// Rows in which the frame's right edge cuts the ball, and those of them in which the picture jumps
+/// there by far more than the truth does, or shows something else over what the frame shows.
 struct Tears {
   int rows = 0;
   int torn = 0;
 
   void look_at(const VideoFrame& picture, const VideoFrame& truth, const VideoFrame& covered,
                const Eigen::Vector2d& middle_px) {
-    constexpr int kAside = 5;
-    constexpr int kInside = 9;
+    constexpr int kAside = 2;
+    constexpr int kInside = 5;
     constexpr float kFar_levels = 50;
     for (int y = 0; y < truth.size.height; ++y) {
       int edge = truth.size.width - 1;
       while (edge > 0 && luma_at(covered, edge, y) < 128) --edge;
-      const bool cuts = (Eigen::Vector2d(edge, y) - middle_px).norm() < Ball::kRadius_px - kAside;
+      const bool cuts = (Eigen::Vector2d(edge, y) - middle_px).norm() < Ball::kRadius_px - kInside;
       if (!cuts || edge + kAside >= truth.size.width) continue;
       const auto step = [&](const VideoFrame& frame) {
         return std::abs(luma_at(frame, edge + kAside, y) - luma_at(frame, edge - kAside, y));
       };
-      rows += 1;
       const bool is_overlaid = std::abs(luma_at(picture, edge - kInside, y) -
                                         luma_at(truth, edge - kInside, y)) > kFar_levels;
+      rows += 1;
       if (is_overlaid || step(picture) > step(truth) + kFar_levels) torn += 1;
     }
   }
