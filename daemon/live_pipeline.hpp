@@ -124,7 +124,8 @@ class LivePipeline {
   /// Stops the sources, lets what is held come out, and ends the outputs properly.
   void stop();
 
-  /// From the next frame on: amount, path, latency, zoom, border and horizon. The others are what
+  /// From the next frame on: amount, path, latency, zoom with its limits and speed, border and
+  /// horizon. The others are what
   /// they were at the start.
   void apply(const StabilizationSettings& settings);
 

@@ -20,7 +20,10 @@ ZoomChoice zoom_choice(const StabilizationSettings& settings) {
   if (settings.zoom) return {*settings.zoom, *settings.zoom};
   // Other borders fill what crop has to zoom past.
   if (settings.border != Border::crop) return {1, 1};
-  return {1, settings.lock.horizon == Horizon::hard ? kAutoZoomMostLevel : kAutoZoomMost};
+  const double usual_most =
+      settings.lock.horizon == Horizon::hard ? kAutoZoomMostLevel : kAutoZoomMost;
+  const ZoomLimits limits = settings.zoom_limits.value_or(ZoomLimits{1, usual_most});
+  return {limits.least, limits.most, settings.zoom_speed_per_s.value_or(kUsualZoomSpeed_per_s)};
 }
 
 }  // namespace
@@ -92,8 +95,28 @@ void take_over_live(const StabilizationSettings& from, StabilizationSettings& to
   to.path = from.path;
   to.latency = from.latency;
   to.zoom = from.zoom;
+  to.zoom_limits = from.zoom_limits;
+  to.zoom_speed_per_s = from.zoom_speed_per_s;
   to.border = from.border;
   to.lock = from.lock;
+}
+
+bool make_sense(const ZoomLimits& limits) {
+  return limits.least >= 1 && limits.least <= limits.most && limits.most <= kLargestZoom;
+}
+
+Result<void> check_zoom(const StabilizationSettings& settings) {
+  if (!settings.zoom_limits && !settings.zoom_speed_per_s) return {};
+  const std::string what = settings.zoom_limits ? "zoom-limits" : "zoom-speed";
+  if (settings.zoom) return bad_input(what + ": is for zoom auto");
+  if (settings.border != Border::crop) {
+    return bad_input(what + ": is for border crop; others have nothing to zoom past");
+  }
+  if (settings.zoom_speed_per_s && settings.path != PathKind::bounded) {
+    return bad_input("zoom-speed: is kept by path bounded, not by " +
+                     name_of(settings.path, path_names()));
+  }
+  return {};
 }
 
 Result<void> check_horizon(const StabilizationSettings& settings, Accelerometer accelerometer) {

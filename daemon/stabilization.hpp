@@ -62,11 +62,27 @@ struct Lookahead {
 [[nodiscard]] std::unique_ptr<AttitudeStream> make_prompt_attitudes(
     EstimatorKind kind, const AttitudeEkfParameters& ekf = {});
 
+constexpr double kLargestZoom = 10;
+constexpr double kFastestZoom_per_s = 10;
+
+/// Between which an automatic zoom stays.
+struct ZoomLimits {
+  double least = 1;
+  double most = 1;
+
+  bool operator==(const ZoomLimits&) const = default;
+};
+
+/// Whether 1 <= least <= most <= 10.
+[[nodiscard]] bool make_sense(const ZoomLimits& limits);
+
 /// What a person chooses about the picture, for a recording and for a live camera alike.
 struct StabilizationSettings {
-  double amount = 1;           ///< 0 (rectified only) to 1
-  PathLatency latency;         ///< frames; none for the whole recording
-  std::optional<double> zoom;  ///< none: as little as is needed
+  double amount = 1;                       ///< 0 (rectified only) to 1
+  PathLatency latency;                     ///< frames; none for the whole recording
+  std::optional<double> zoom;              ///< none: as little as is needed
+  std::optional<ZoomLimits> zoom_limits;   ///< of a zoom as needed; none: the usual ones
+  std::optional<double> zoom_speed_per_s;  ///< that it grows by at most; none: the usual one
   Border border = Border::crop;
   std::optional<WarperKind> warper;  ///< none: GLES on a GPU, else the CPU
   Interpolation interpolation = Interpolation::bilinear;
@@ -82,13 +98,18 @@ struct StabilizationSettings {
   bool operator==(const StabilizationSettings&) const = default;
 };
 
-/// Takes over what may change while pictures are drawn: amount, path, latency, zoom,
-/// border and horizon.
+/// Takes over what may change while pictures are drawn: amount, path, latency, zoom, its limits and
+/// speed, border and horizon.
 void take_over_live(const StabilizationSettings& from, StabilizationSettings& to);
 
 /// Without an accelerometer nothing tells which way is up; the thesis' low-passes do not ask.
 [[nodiscard]] Result<void> check_horizon(const StabilizationSettings& settings,
                                          Accelerometer accelerometer);
+
+/// What a zoom's limits and speed do not go with: a fixed zoom, borders that are not cropped, and a
+/// path whose zoom only grows. The line begins with the name of what is wrong, as the command line
+/// has it: zoom-limits or zoom-speed.
+[[nodiscard]] Result<void> check_zoom(const StabilizationSettings& settings);
 
 [[nodiscard]] std::unique_ptr<CameraPath> make_path(const StabilizationSettings& settings,
                                                     double fps);

@@ -9,7 +9,6 @@ namespace gimbal {
 namespace {
 
 constexpr int kLongestLatencyFrames = 300;
-constexpr double kLargestZoom = 10;
 
 /// The value of a word among a map's.
 template <typename T>
@@ -34,6 +33,35 @@ void read_zoom(TomlTable& table, std::optional<double>& zoom) {
   }
 }
 
+void read_zoom_limits(TomlTable& table, std::optional<ZoomLimits>& limits) {
+  const auto numbers = table.numbers("zoom_limits");
+  if (!numbers) return;
+  const bool are_two = numbers->size() == 2;
+  if (are_two) limits = {numbers->front(), numbers->back()};
+  if (!are_two || !make_sense(*limits)) {
+    table.refuse("zoom_limits", "must be two ratios from 1 to 10, such as [1.0, 1.4]");
+  }
+}
+
+void read_zoom_speed(TomlTable& table, std::optional<double>& speed_per_s) {
+  speed_per_s = table.has("zoom_speed_per_s") ? table.number("zoom_speed_per_s") : speed_per_s;
+  if (speed_per_s && !(*speed_per_s > 0 && *speed_per_s <= kFastestZoom_per_s)) {
+    table.refuse("zoom_speed_per_s", "must be above 0, and 10 at most");
+  }
+}
+
+/// Only what this table says: choices that came before may wait for another zoom or border.
+void refuse_idle_zoom_keys(TomlTable& table, const StabilizationSettings& settings) {
+  for (const char* key : {"zoom_limits", "zoom_speed_per_s"}) {
+    if (!table.has(key)) continue;
+    if (settings.zoom) table.refuse(key, "is for zoom = \"auto\"");
+    if (settings.border != Border::crop) table.refuse(key, "is for border = \"crop\"");
+  }
+  if (table.has("zoom_speed_per_s") && settings.path != PathKind::bounded) {
+    table.refuse("zoom_speed_per_s", "is kept by path = \"bounded\" only");
+  }
+}
+
 }  // namespace
 
 void read_live_stabilization(TomlTable& table, StabilizationSettings& settings) {
@@ -45,8 +73,11 @@ void read_live_stabilization(TomlTable& table, StabilizationSettings& settings) 
     settings.latency = static_cast<std::size_t>(*frames);
   }
   read_zoom(table, settings.zoom);
+  read_zoom_limits(table, settings.zoom_limits);
+  read_zoom_speed(table, settings.zoom_speed_per_s);
   read_choice(table, "border", border_names(), settings.border);
   read_choice(table, "path", path_names(), settings.path);
+  refuse_idle_zoom_keys(table, settings);
   read_choice(table, "horizon", horizon_names(), settings.lock.horizon);
   if (settings.lock.horizon != Horizon::off && settings.path != PathKind::bounded) {
     table.refuse("horizon", "is kept by path = \"bounded\" only");

@@ -8,8 +8,8 @@ namespace gimbal {
 // Keys of the table [stabilization]. Faults are kept in the table; a key that is not there changes
 // nothing.
 
-/// Those that may change while pictures are drawn: amount, path, latency, zoom,
-/// border and horizon.
+/// Those that may change while pictures are drawn: amount, path, latency, zoom, its limits and
+/// speed, border and horizon.
 void read_live_stabilization(TomlTable& table, StabilizationSettings& settings);
 
 /// All of them.

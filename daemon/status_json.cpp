@@ -123,6 +123,10 @@ Json degraded(const LiveStatus& status, const Supervisor& daemon) {
   return states;
 }
 
+Json limits_as_json(const std::optional<ZoomLimits>& limits) {
+  return limits ? Json{limits->least, limits->most} : Json(nullptr);
+}
+
 }  // namespace
 
 Json recording_as_json(const RecordingStatus& recording) {
@@ -140,6 +144,9 @@ Json live_settings_as_json(const StabilizationSettings& settings) {
           {"path", name_of(settings.path, path_names())},
           {"latency_frames", settings.latency ? Json(*settings.latency) : Json(nullptr)},
           {"zoom", settings.zoom ? Json(*settings.zoom) : Json("auto")},
+          {"zoom_limits", limits_as_json(settings.zoom_limits)},
+          {"zoom_speed_per_s",
+           settings.zoom_speed_per_s ? Json(*settings.zoom_speed_per_s) : Json(nullptr)},
           {"border", name_of(settings.border, border_names())},
           {"horizon", name_of(settings.lock.horizon, horizon_names())},
           {"horizon_range_deg", settings.lock.most_roll_rad * 180 / std::numbers::pi}};

@@ -22,6 +22,8 @@ std::vector<std::string> changed_live_keys(const StabilizationSettings& before,
   if (before.path != after.path) keys.emplace_back("path");
   if (before.latency != after.latency) keys.emplace_back("latency_frames");
   if (before.zoom != after.zoom) keys.emplace_back("zoom");
+  if (before.zoom_limits != after.zoom_limits) keys.emplace_back("zoom_limits");
+  if (before.zoom_speed_per_s != after.zoom_speed_per_s) keys.emplace_back("zoom_speed_per_s");
   if (before.border != after.border) keys.emplace_back("border");
   if (before.lock.horizon != after.lock.horizon) keys.emplace_back("horizon");
   if (before.lock.most_roll_rad != after.lock.most_roll_rad) keys.emplace_back("horizon_range_deg");

@@ -163,7 +163,7 @@ void add_live_commands(CLI::App& app, CommandOutcome& outcome) {
               outcome, set)
       ->add_option(
           "settings", arguments->settings,
-          "KEY=VALUE: amount, path, latency_frames, zoom, border, horizon or horizon_range_deg")
+          "KEY=VALUE: amount, path, latency_frames, zoom, zoom_limits, zoom_speed_per_s, border, horizon or horizon_range_deg")
       ->required();
   add_command(app, "reload", "Have the running daemon read its configuration again", arguments,
               outcome, reload);

@@ -1,5 +1,6 @@
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <memory>
 #include <numbers>
@@ -11,13 +12,12 @@
 namespace gimbal {
 namespace {
 
-constexpr double kZoomMost = 10;
-
 /// The values as they stand on the command line, before they are understood.
 struct Arguments {
   StabilizeRequest request;
   std::string latency = "full";
   std::string zoom = "auto";
+  std::string zoom_limits;
   std::string warper;
   std::string interpolation = "bilinear";
   std::string output_lens = "rectilinear";
@@ -46,10 +46,25 @@ Result<PathLatency> parse_latency(const std::string& text) {
 Result<std::optional<double>> parse_zoom(const std::string& text) {
   if (text == "auto") return std::optional<double>{};
   const auto ratio = parse_whole<double>(text);
-  if (!ratio || !(*ratio >= 1 && *ratio <= kZoomMost)) {
+  if (!ratio || !(*ratio >= 1 && *ratio <= kLargestZoom)) {
     return bad_input("--zoom " + text + ": expected auto, or a ratio from 1 to 10, such as 1.15");
   }
   return std::optional<double>{*ratio};
+}
+
+/// LEAST..MOST, or nothing at all.
+Result<std::optional<ZoomLimits>> parse_zoom_limits(const std::string& text) {
+  if (text.empty()) return std::optional<ZoomLimits>{};
+  const std::size_t dots = text.find("..");
+  if (dots != std::string::npos) {
+    const auto least = parse_whole<double>(text.substr(0, dots));
+    const auto most = parse_whole<double>(text.substr(dots + 2));
+    if (least && most && make_sense({*least, *most})) {
+      return std::optional<ZoomLimits>({*least, *most});
+    }
+  }
+  return bad_input("--zoom-limits " + text +
+                   ": expected two ratios from 1 to 10, the lesser first, such as 1.0..1.4");
 }
 
 Result<void> run(Arguments& arguments) {
@@ -61,6 +76,9 @@ Result<void> run(Arguments& arguments) {
   if (!zoom) return tl::unexpected(zoom.error());
   request.latency = *latency;
   request.zoom = *zoom;
+  const auto limits = parse_zoom_limits(arguments.zoom_limits);
+  if (!limits) return tl::unexpected(limits.error());
+  request.zoom_limits = *limits;
   if (!arguments.warper.empty()) request.warper = warper_names().at(arguments.warper);
   request.interpolation = interpolation_names().at(arguments.interpolation);
   request.output_lens = output_lens_names().at(arguments.output_lens);
@@ -72,6 +90,7 @@ Result<void> run(Arguments& arguments) {
   request.lock.horizon = horizon_names().at(arguments.horizon);
   request.lock.most_roll_rad = arguments.horizon_range_deg * std::numbers::pi / 180;
   request.estimator = estimator_names().at(arguments.estimator);
+  if (auto sound = check_zoom(request); !sound) return bad_input("--" + sound.error().message);
   return stabilize_session(request);
 }
 
@@ -92,6 +111,14 @@ void add_options(CLI::App& command, Arguments& arguments) {
       ->capture_default_str();
   command.add_option("--zoom", arguments.zoom, "Fixed ratio, such as 1.15, or auto")
       ->capture_default_str();
+  command
+      .add_option("--zoom-limits", arguments.zoom_limits, "Between which an automatic zoom stays")
+      ->option_text("LEAST..MOST [1..1.25]");
+  command
+      .add_option("--zoom-speed", request.zoom_speed_per_s,
+                  "How fast it grows at most, of the picture's size a second")
+      ->check(CLI::Range(std::numeric_limits<double>::min(), kFastestZoom_per_s))
+      ->option_text("PER_S [0.08]");
   command.add_option("--border", arguments.border, "What to show past the edge of the frame")
       ->transform(CLI::IsMember(names_of(border_names())))
       ->option_text("crop|extend|mirror|black|blur|fill [crop]");

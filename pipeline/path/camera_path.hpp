@@ -37,10 +37,17 @@ struct SteadyView {
   double zoom = 1;
 };
 
+/// How fast a zoom that follows the need grows, of the picture's size a second. Faster is seen as
+/// such, slower comes too late.
+constexpr double kUsualZoomSpeed_per_s = 0.08;
+
 /// Either a zoom for all frames, or as little as is needed between two limits.
 struct ZoomChoice {
   double least = 1;
   double most = 1;
+  /// It grows so fast at most, and shrinks a quarter as fast; only the bounded path's zoom moves
+  /// both ways.
+  double speed_per_s = kUsualZoomSpeed_per_s;
 };
 
 /// From the real camera to the virtual one, frame by frame. With a latency of k frames the view of

@@ -102,9 +102,10 @@ TEST_F(Control, SettingsChangeAndWrongOnesDoNot) {
   ASSERT_EQ(ran.exit_status, 0) << ran.standard_error;
   EXPECT_THAT(read("good"), HasSubstr("amount 0.5"));
   EXPECT_THAT(read("good"), HasSubstr("zoom 1.2"));
-  EXPECT_EQ(read("bad"),
-            "gimbalctl: set, line 2: border is \"round\"; allowed are \"black\", \"blur\", \"crop\", "
-            "\"extend\", \"fill\", \"mirror\"\n2\n");
+  EXPECT_EQ(
+      read("bad"),
+      "gimbalctl: set, line 2: border is \"round\"; allowed are \"black\", \"blur\", \"crop\", "
+      "\"extend\", \"fill\", \"mirror\"\n2\n");
   EXPECT_THAT(read("other"), HasSubstr("\"warper\" is not known"));
   EXPECT_THAT(read("word"), HasSubstr("write KEY=VALUE"));
   EXPECT_THAT(read("after"), HasSubstr("amount 0.5"));

@@ -220,6 +220,31 @@ TEST_F(Gimbalctl, BordersAreFilledFromOtherFrames) {
   EXPECT_EQ(lines_of(path("out.y4m")), first);
 }
 
+TEST_F(Gimbalctl, AnAutomaticZoomHasLimitsAndASpeed) {
+  const Json report = stabilize({"-o", path("out.y4m"), "--path-log", path("path.csv"),
+                                 "--zoom-limits", "1.02..1.08", "--zoom-speed", "0.03"});
+  EXPECT_LE(report["zoom_max"], 1.08 + 1e-9);
+  EXPECT_EQ(report["border_px"]["total"], 0);
+  const std::vector<std::string> lines = lines_of(path("path.csv"));
+  std::vector<double> focal_px;
+  for (std::size_t i = 1; i < lines.size(); ++i) {
+    std::istringstream fields(lines[i]);
+    std::string field;
+    for (int j = 0; j < 7; ++j) std::getline(fields, field, ',');
+    focal_px.push_back(std::stod(field));
+  }
+  (void)stabilize({"-o", path("out.y4m"), "--path-log", path("path.csv"), "--zoom", "1"});
+  std::istringstream fields(lines_of(path("path.csv")).at(1));
+  std::string field;
+  for (int j = 0; j < 7; ++j) std::getline(fields, field, ',');
+  const double unzoomed_px = std::stod(field);
+  for (std::size_t i = 0; i < focal_px.size(); ++i) {
+    EXPECT_GE(focal_px[i] / unzoomed_px, 1.02 - 1e-6) << i;
+    EXPECT_LE(focal_px[i] / unzoomed_px, 1.08 + 1e-6) << i;
+    if (i > 0) EXPECT_LE((focal_px[i] - focal_px[i - 1]) / unzoomed_px, 0.03 / 30 + 1e-5) << i;
+  }
+}
+
 TEST_F(Gimbalctl, SoftwareGlesIsTakenOnlyWhenAskedFor) {
   ASSERT_EQ(setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1), 0);  // Mesa's; for the programs run from here
   const Json unset = stabilize_with({}, {"-o", path("out.mkv")});

@@ -272,6 +272,24 @@ TEST_P(BoundedPathThatLooksAhead, APanEndsSoonAndWithoutOvershoot) {
   }
 }
 
+TEST_P(BoundedPathOfLatency, AnAutomaticZoomKeepsToItsLimitsAndItsSpeed) {
+  for (const ZoomChoice zoom : {ZoomChoice{1.05, 1.12, 0.08}, ZoomChoice{1, 1.5, 0.02}}) {
+    for (const HandModel& hand : {walking_hand(), running_hand(), panning_hand()}) {
+      const auto real = clip(hand, 6);
+      const auto views = bounded(real, GetParam(), zoom);
+      ASSERT_EQ(views.size(), real.size());
+      for (std::size_t i = 0; i < views.size(); ++i) {
+        EXPECT_GE(views[i].zoom, zoom.least) << i;
+        EXPECT_LE(views[i].zoom, zoom.most) << i;
+        if (i == 0) continue;
+        const double passed_s = to_seconds(real[i].stamp.time - real[i - 1].stamp.time);
+        EXPECT_LE(views[i].zoom - views[i - 1].zoom, zoom.speed_per_s * passed_s + 1e-9) << i;
+        EXPECT_GE(views[i].zoom - views[i - 1].zoom, -zoom.speed_per_s * passed_s - 1e-9) << i;
+      }
+    }
+  }
+}
+
 /// Walks, and holds the camera ever differently tilted.
 std::vector<FramePose> rolling_walk() {
   HandModel hand = walking_hand();

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <vector>
 
 namespace gimbal {
@@ -49,6 +50,20 @@ TEST(ZoomPlan, KeepsToItsLimits) {
   for (const double zoom : breathe(7, 60, {1.05, 1.25})) {
     EXPECT_GE(zoom, 1.05);
     EXPECT_LE(zoom, 1.25);
+  }
+}
+
+TEST(ZoomPlan, KeepsToItsSpeedInEveryFrame) {
+  for (const double speed_per_s : {0.01, 0.5}) {
+    for (const std::size_t known : {0U, 5U, 60U}) {
+      const auto zooms = breathe(3, known, {1, 2, speed_per_s});
+      double fastest_per_s = 0;
+      for (std::size_t i = 1; i < zooms.size(); ++i) {
+        fastest_per_s = std::max(fastest_per_s, (zooms[i] - zooms[i - 1]) / kInterval_s);
+        EXPECT_GT((zooms[i] - zooms[i - 1]) / kInterval_s, -speed_per_s) << i;
+      }
+      EXPECT_NEAR(fastest_per_s, speed_per_s, 1e-6);  // and uses it
+    }
   }
 }
 
