@@ -195,6 +195,9 @@ struct SquareError {
 
 constexpr int kEvery = 5;
 
+/// What the few pixels that no frame shows, and that are blurred, may cost all that are filled.
+constexpr double kBlurredRest_db = 6;
+
 /// Light where the frame itself shows something. The mesh has to end where the frame does.
 VideoFrame covered_by(const Drawn& drawn) {
   const VideoFrame light = changed(walk().frames.front(), [](int, int, float) { return 255.0F; });
@@ -252,7 +255,7 @@ TEST(BorderFill, ShowsWhatIsTrulyThere) {
       "PSNR to the truth: the frame's own {:.1f} dB, filled {:.1f}, mirrored {:.1f}, "
       "blurred {:.1f}\n",
       own, filled, mirrored, blurred);
-  EXPECT_GT(filled, own - 4);
+  EXPECT_GT(filled, own - kBlurredRest_db);
   EXPECT_GT(filled, mirrored + 10);
   EXPECT_GT(filled, blurred + 8);
 }
@@ -264,7 +267,8 @@ TEST(BorderFill, FollowsOrientationsThatDriftApart) {
       error_of(all, all, [&](std::size_t i) { return truth_of(all[i], kDrift_rad_s); });
   fmt::print("PSNR to the truth: own {:.1f} dB, filled {:.1f}\n",
              SquareError::psnr_db(error.covered), SquareError::psnr_db(error.filled));
-  EXPECT_GT(SquareError::psnr_db(error.filled), SquareError::psnr_db(error.covered) - 4);
+  EXPECT_GT(SquareError::psnr_db(error.filled),
+            SquareError::psnr_db(error.covered) - kBlurredRest_db);
 }
 
 /// Exposure that changes by up to a fifth from frame to frame.
@@ -286,7 +290,8 @@ TEST(BorderFill, MatchesTheExposure) {
       error_of(all, all, [&](std::size_t i) { return exposed(truth_of(all[i]), exposure_of(i)); });
   fmt::print("PSNR to the truth: own {:.1f} dB, filled {:.1f}\n",
              SquareError::psnr_db(error.covered), SquareError::psnr_db(error.filled));
-  EXPECT_GT(SquareError::psnr_db(error.filled), SquareError::psnr_db(error.covered) - 4);
+  EXPECT_GT(SquareError::psnr_db(error.filled),
+            SquareError::psnr_db(error.covered) - kBlurredRest_db);
 }
 
 /// Something that flies about at the right edge of the picture: a chequered ball.
@@ -367,7 +372,7 @@ TEST(BorderFill, DoesNotTearWhatMoves) {
   }
   fmt::print("{} of {} rows torn\n", tears.torn, tears.rows);
   ASSERT_GT(tears.rows, 200);
-  EXPECT_LE(tears.torn, 0.06 * tears.rows);  // a quarter where all neighbours are trusted
+  EXPECT_LE(tears.torn, 0.06 * tears.rows);  // more than half where all are trusted
 }
 
 TEST(BorderFill, LeavesAWholePictureAlone) {

@@ -159,11 +159,18 @@ TEST_F(ConfigurationTest, HowPicturesAreDrawn) {
   ASSERT_TRUE(level) << level.error().message;
   EXPECT_EQ(level->stabilization.lock.horizon, Horizon::soft);
   EXPECT_NEAR(level->stabilization.lock.most_roll_rad, std::numbers::pi / 2, 1e-12);
+  const auto breathing = load(begin + "zoom_limits = [1.05, 1.4]\nzoom_speed_per_s = 0.02\n");
+  ASSERT_TRUE(breathing) << breathing.error().message;
+  EXPECT_EQ(breathing->stabilization.zoom_limits, (ZoomLimits{1.05, 1.4}));
+  EXPECT_EQ(breathing->stabilization.zoom_speed_per_s, 0.02);
   for (const char* wrong :
-       {"horizon = \"level\"\n", "horizon_range_deg = 181\n",
-        "path = \"hann\"\nhorizon = \"hard\"\n", "threads = 0\n", "threads = 65\n",
-        "interpolation = \"nearest\"\n", "output_lens = \"fisheye\"\n", "output_fov_deg = 151\n",
-        "output_lens = \"kept\"\noutput_fov_deg = 90\n"}) {
+       {"zoom_limits = [1.4, 1.0]\n", "zoom_limits = [0.9, 1.0]\n", "zoom_limits = [1.2]\n",
+        "zoom_limits = 1.2\n", "zoom = 1.2\nzoom_limits = [1.0, 1.4]\n",
+        "border = \"fill\"\nzoom_limits = [1.0, 1.4]\n", "zoom_speed_per_s = 0\n",
+        "path = \"hann\"\nzoom_speed_per_s = 0.1\n", "horizon = \"level\"\n",
+        "horizon_range_deg = 181\n", "path = \"hann\"\nhorizon = \"hard\"\n", "threads = 0\n",
+        "threads = 65\n", "interpolation = \"nearest\"\n", "output_lens = \"fisheye\"\n",
+        "output_fov_deg = 151\n", "output_lens = \"kept\"\noutput_fov_deg = 90\n"}) {
     EXPECT_FALSE(load(begin + wrong)) << wrong;
   }
 }
