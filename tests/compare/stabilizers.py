@@ -125,6 +125,8 @@ ALL = {
     "adaptive-hann": Stabilizer("adaptive Hann",
                                 gimbalctl("session", "adaptive-hann.mp4", "--path", "adaptive-hann")),
     "gimbalctl": Stabilizer("gimbalctl", gimbalctl("session", "gimbalctl.mp4")),
+    "gimbalctl-fill": Stabilizer("gimbalctl, borders filled",
+                                 gimbalctl("session", "gimbalctl-fill.mp4", "--border", "fill")),
     "gimbalctl-15": Stabilizer("gimbalctl, 15 frames ahead",
                                gimbalctl("session", "gimbalctl-15.mp4", "--latency", "15")),
     "gimbalctl-5": Stabilizer("gimbalctl, 5 frames ahead",

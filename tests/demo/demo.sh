@@ -57,7 +57,7 @@ gnuplot -e "frame=$index" "$here/demo.gnuplot"
 
 step "compared by pictures alone, short and small: ./dev bench compares more"
 python3 -B "$here/../compare/compare.py" "$build" compare --sessions walk pan --size 640x360 --duration 5 \
-  --stabilizers raw vidstab adaptive-hann gimbalctl
+  --stabilizers raw vidstab adaptive-hann gimbalctl gimbalctl-fill
 
 step "look at it"
 printf '%s\n' "$PWD"/{original,rectified,stabilized,side-by-side}.mp4 "$PWD/demo.png" "$PWD/compare/index.html"
