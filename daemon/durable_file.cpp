@@ -75,7 +75,8 @@ Result<void> replace_file(const std::filesystem::path& path, std::string_view te
     return written;
   }
   if (::rename(temporary.c_str(), path.c_str()) != 0) return failure(path);
-  return sync_to_disk(path.parent_path());
+  const std::filesystem::path folder = path.parent_path();
+  return sync_to_disk(folder.empty() ? "." : folder);
 }
 
 Result<void> sync_to_disk(const std::filesystem::path& path) {

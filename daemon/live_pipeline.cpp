@@ -277,11 +277,13 @@ void LivePipeline::push_aligned_samples() {
 
 /// The frames are the clock here, so a replay does the same each time.
 void LivePipeline::coast_if_the_imu_is_silent(const FrameStamp& stamp) {
-  const SensorTime frame = stamp.time + stamp.clock_correction + calibration_.time_offset;
-  if (!last_sample_) last_sample_ = frame;
-  if (frame - *last_sample_ < kSilence) return;
+  const SensorDuration offset = stamp.clock_correction + calibration_.time_offset;
+  // Samples whose clock is ahead come as much later, but they come.
+  const SensorTime expected = stamp.time + std::min(offset, SensorDuration::zero());
+  if (!last_sample_) last_sample_ = expected;
+  if (expected - *last_sample_ < kSilence) return;
   is_coasting_ = true;
-  stabilizer_.coast_to(frame + calibration_.readout);
+  stabilizer_.coast_to(stamp.time + offset + calibration_.readout);
 }
 
 /// For what the path held and lets go at once: many frames in no time, but none of them is late.

@@ -82,6 +82,7 @@ void OffsetTracking::stop() {
 // --- on the sources' threads --------------------------------------------------------------------
 
 void OffsetTracking::saw(const VideoFrame& frame) {
+  if (frame.stamp.time <= last_frame_.load()) return growing_.clear();  // one that is not shown
   last_frame_ = frame.stamp.time;
   if (growing_.empty() && monotonic_now() < next_burst_.load()) return;
   if (!growing_.empty() && ++passed_ % stride_frames_ != 0) return;

@@ -132,6 +132,10 @@ tl::unexpected<Error> refused(const Arguments& arguments, const Error& error) {
 }
 
 Result<void> run(const Arguments& arguments) {
+  if (!arguments.profile.empty()) {
+    auto can_write = check_profile_path(arguments.profile, arguments.existing);
+    if (!can_write) return refused(arguments, can_write.error());
+  }
   const auto seen = look(arguments);
   if (!seen) return refused(arguments, seen.error());
   const BoardSearch& search = seen->search;

@@ -177,6 +177,10 @@ Result<Sight> look(const Arguments& arguments) {
 }
 
 Result<void> run(const Arguments& arguments) {
+  if (!arguments.profile.empty()) {
+    auto can_write = check_profile_path(arguments.profile, arguments.existing);
+    if (!can_write) return can_write;
+  }
   const auto sight = look(arguments);
   if (!sight) return tl::unexpected(sight.error());
   FlashingLight found = measure_flashing_light(sight->profiles, sight->light_hz);

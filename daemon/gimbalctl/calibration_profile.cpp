@@ -30,13 +30,22 @@ std::string by_whom(std::string_view command, const Session& session) {
                  std::filesystem::weakly_canonical(session.folder, ignored).filename().string());
 }
 
-Result<void> write_calibration_profile(std::string_view known_toml, const FittedCalibration& fitted,
-                                       std::string_view comments, const std::filesystem::path& path,
-                                       ExistingFile existing) {
+Result<void> check_profile_path(const std::filesystem::path& path, ExistingFile existing) {
   std::error_code ignored;
   if (existing == ExistingFile::kept && std::filesystem::exists(path, ignored)) {
     return bad_input(path.string() + ": is there already; give another name, or --overwrite");
   }
+  const std::filesystem::path folder = path.parent_path();
+  if (!folder.empty() && !std::filesystem::is_directory(folder, ignored)) {
+    return bad_input(path.string() + ": there is no folder " + folder.string());
+  }
+  return {};
+}
+
+Result<void> write_calibration_profile(std::string_view known_toml, const FittedCalibration& fitted,
+                                       std::string_view comments, const std::filesystem::path& path,
+                                       ExistingFile existing) {
+  if (auto can_write = check_profile_path(path, existing); !can_write) return can_write;
   const auto text = recalibrated_toml(known_toml, fitted);
   if (!text) return tl::unexpected(text.error());
   return replace_file(path, std::string(comments) + *text);

@@ -20,10 +20,14 @@ enum class ExistingFile : std::uint8_t { kept, replaced };
 /// The recording's session.toml; one in its place where it has none.
 [[nodiscard]] std::string own_toml(const Session& session);
 
+/// Before what takes long, or cannot be done again: bad_input if the file is there and is to be kept,
+/// or has no folder.
+[[nodiscard]] Result<void> check_profile_path(const std::filesystem::path& path,
+                                              ExistingFile existing);
+
 /// Writes what was found as a session.toml, which a session folder and the daemon's
 /// `camera.calibration` take: what was known before, with the fitted values in it, under comments
-/// that say when they were fitted and how well they are known. bad_input if the file is there and
-/// is to be kept.
+/// that say when they were fitted and how well they are known. Fails as the check above.
 [[nodiscard]] Result<void> write_calibration_profile(std::string_view known_toml,
                                                      const FittedCalibration& fitted,
                                                      std::string_view comments,

@@ -38,6 +38,7 @@ void become_calibration_program(int argc, char** argv) {
   if (!is_for_it(argc, argv)) return;
   std::error_code ignored;
   const fs::path here = fs::read_symlink("/proc/self/exe", ignored).parent_path();
+  if (here.empty()) return;  // or anything of that name would do that lies in the current folder
   for (const fs::path& folder : {here, here / GIMBALD_LIBEXEC_FROM_BIN}) {
     execv((folder / kProgram).c_str(), argv);  // returns where it is not there
   }

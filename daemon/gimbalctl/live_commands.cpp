@@ -161,9 +161,9 @@ void add_live_commands(CLI::App& app, CommandOutcome& outcome) {
       ->add_flag("--json", arguments->as_json, "For programs");
   add_command(app, "set", "Change settings of the running daemon, until the next reload", arguments,
               outcome, set)
-      ->add_option(
-          "settings", arguments->settings,
-          "KEY=VALUE: amount, path, latency_frames, zoom, zoom_limits, zoom_speed_per_s, border, horizon or horizon_range_deg")
+      ->add_option("settings", arguments->settings,
+                   "KEY=VALUE: amount, path, latency_frames, zoom, zoom_limits, zoom_speed_per_s, "
+                   "border, horizon or horizon_range_deg")
       ->required();
   add_command(app, "reload", "Have the running daemon read its configuration again", arguments,
               outcome, reload);

@@ -8,6 +8,7 @@ StopRequest::StopRequest() {
   sigemptyset(&signals_);
   sigaddset(&signals_, SIGINT);
   sigaddset(&signals_, SIGTERM);
+  sigaddset(&signals_, SIGHUP);  // the terminal is gone
   pthread_sigmask(SIG_BLOCK, &signals_, &before_);
 }
 

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "daemon/gimbalctl/calibration_profile.hpp"
 #include "daemon/gimbalctl/calibrations.hpp"
 #include "daemon/gimbalctl/commands.hpp"
 #include "daemon/gimbalctl/svg_plot.hpp"
@@ -42,6 +43,10 @@ tl::unexpected<Error> refused(const Arguments& arguments, const Error& error) {
 }
 
 Result<void> run(const Arguments& arguments) {
+  if (!arguments.profile.empty()) {
+    auto can_write = check_profile_path(arguments.profile, arguments.existing);
+    if (!can_write) return refused(arguments, can_write.error());
+  }
   const auto session = open_session(arguments.session);
   if (!session) return refused(arguments, session.error());
   print_warnings(session->warnings);

@@ -114,7 +114,10 @@ std::optional<TurnMiss> OffsetTracker::miss_of(const Seen& seen, const OffsetFil
   const double middle_s = seen.time_s + filter.offset_s();
   const auto gyro =
       gyro_between(middle_s - kMotionSpan_s, middle_s + kMotionSpan_s, filter.bias_rad_s());
-  if (!gyro) return std::nullopt;
+  if (!gyro || !gyro->covers(seen.corners.front().from.stamp_s + filter.offset_s(),
+                             seen.time_s + readout_s_ + filter.offset_s())) {
+    return std::nullopt;
+  }
   return turn_miss(seen.corners, {*gyro, R_camera_imu_, readout_s_, filter.offset_s()});
 }
 
@@ -141,6 +144,8 @@ void OffsetTracker::look_for_offset() {
   auto offset_s = find_offset(turns_seen(filter_), *gyro, R_camera_imu_, filter_.offset_s());
   if (!offset_s) return;
   OffsetFilter filter = filter_;
+  // Of the drift it knows as little as of any after such a time; the offset is that of now.
+  if (time_s_) filter.predict(std::max(0.0, recent_.front().time_s - *time_s_));
   for (int round = 0; round < kSearchRounds; ++round) {
     filter.restart(*offset_s, kFoundSigma_s);
     *offset_s = improve_offset(turns_seen(filter), *gyro, R_camera_imu_, *offset_s);
@@ -167,7 +172,6 @@ bool OffsetTracker::learns_from_recent(OffsetFilter& filter) const {
   if (turns.empty()) return false;
   const double usual_rad = median_miss_rad(turns);
   double time_s = recent_.front().time_s;
-  if (time_s_) filter.predict(std::max(0.0, time_s - *time_s_));
   std::size_t agreeing = 0;
   for (const Seen& seen : recent_) {
     filter.predict(std::max(0.0, seen.time_s - std::exchange(time_s, seen.time_s)));

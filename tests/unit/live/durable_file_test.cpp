@@ -49,6 +49,16 @@ TEST(ReplaceFile, SaysWhereItCannotWrite) {
   EXPECT_NE(replaced.error().message.find("none/file"), std::string::npos);
 }
 
+TEST(ReplaceFile, TakesABareName) {
+  const test::TemporaryFolder folder;
+  const std::filesystem::path before = std::filesystem::current_path();
+  std::filesystem::current_path(folder.path());
+  const auto replaced = replace_file("bare.toml", "text");
+  std::filesystem::current_path(before);
+  EXPECT_TRUE(replaced);
+  EXPECT_EQ(text_of(folder.path() / "bare.toml"), "text");
+}
+
 TEST(ReplaceFile, PutsTheNewTextInPlace) {
   const test::TemporaryFolder folder;
   folder.write("session.toml", "old, and much longer");

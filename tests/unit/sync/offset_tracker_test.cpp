@@ -23,10 +23,16 @@ using test::TrackScenario;
 
 constexpr std::size_t kBurst = 4;        // frames
 constexpr std::size_t kBurstEvery = 18;  // frames
-constexpr double kNever_s = 1e9;
 
 /// What the camera's stamps lack beyond the calibration's offset, by true time.
 using ClockError = std::function<double(double time_s)>;
+
+/// Whether the tracker is shown what there is then: it is not where nothing turns.
+using Shown = std::function<bool(double time_s)>;
+
+bool always(double /*time_s*/) {
+  return true;
+}
 
 struct Followed {
   double time_s = 0;
@@ -59,10 +65,9 @@ JointData recorded_by(const TrackScenario& scenario, const ClockError& clock_err
   return data;
 }
 
-/// What a tracker says at the end of each burst. From `still_from_s` on it is shown none, as when
-/// nothing turns.
+/// What a tracker says at the end of each burst.
 std::vector<Followed> follow(const TrackScenario& scenario, const ClockError& clock_error,
-                             double still_from_s, const Eigen::Matrix3d& R_camera_imu_said) {
+                             const Shown& shown, const Eigen::Matrix3d& R_camera_imu_said) {
   const JointData data = recorded_by(scenario, clock_error);
   OffsetTracker tracker = *OffsetTracker::create(data.camera, {R_camera_imu_said, std::nullopt});
   std::vector<Followed> all;
@@ -75,7 +80,7 @@ std::vector<Followed> follow(const TrackScenario& scenario, const ClockError& cl
       tracker.push(*sample++);
     }
     const double time_s = static_cast<double>(i + kBurst - 1) / scenario.camera.fps;
-    const bool turns = time_s < still_from_s && tracker.worth_of(first, last) == Worth::something;
+    const bool turns = shown(time_s) && tracker.worth_of(first, last) == Worth::something;
     if (turns) tracker.push(burst);
     const OffsetEstimate estimate = tracker.estimate_at(last.time);
     const double truth_s = to_seconds(scenario.camera.time_offset) + clock_error(time_s);
@@ -86,8 +91,8 @@ std::vector<Followed> follow(const TrackScenario& scenario, const ClockError& cl
 }
 
 std::vector<Followed> follow(const TrackScenario& scenario, const ClockError& clock_error,
-                             double still_from_s = kNever_s) {
-  return follow(scenario, clock_error, still_from_s, scenario.M_camera_imu);
+                             const Shown& shown = always) {
+  return follow(scenario, clock_error, shown, scenario.M_camera_imu);
 }
 
 /// A hand that walks and sways; as a phone has them, and as a board has them.
@@ -176,7 +181,8 @@ TEST(OffsetTracker, ComesBackAfterAJump) {
 
 TEST(OffsetTracker, KeepsWhatItKnowsEverLessSurelyWhileNothingTurns) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-    const auto all = follow(scenario_of(seed), phone_drift, 20);
+    const auto all =
+        follow(scenario_of(seed), phone_drift, [](double time_s) { return time_s < 20; });
     const auto at = [&](double time_s) {
       return *std::ranges::lower_bound(all, time_s, {}, &Followed::time_s);
     };
@@ -185,6 +191,19 @@ TEST(OffsetTracker, KeepsWhatItKnowsEverLessSurelyWhileNothingTurns) {
     for (const Followed& one : all) {
       EXPECT_FALSE(is_confidently_wrong(one)) << "seed " << seed << ", " << one.time_s << " s";
     }
+  }
+}
+
+TEST(OffsetTracker, FindsItAnewHoweverLongItWasLost) {
+  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+    TrackScenario scenario = scenario_of(seed);
+    scenario.duration = std::chrono::seconds(250);
+    // A bump in long stillness is too little to find it by, but tells that it is lost.
+    const auto all = follow(scenario, phone_drift, [](double time_s) {
+      return time_s < 20 || (time_s > 140 && time_s < 141) || time_s > 230;
+    });
+    EXPECT_LT(largest_error_s(all, 240), 1.5e-3) << "seed " << seed;
+    EXPECT_TRUE(all.back().is_known) << "seed " << seed;
   }
 }
 
@@ -204,7 +223,7 @@ TEST(OffsetTracker, FindsNothingIfTheAxesAreNotAsTheyAreSaidToBe) {
     TrackScenario scenario = scenario_of(seed);
     scenario.M_camera_imu << 0, -1, 0, -1, 0, 0, 0, 0, -1;
     scenario.duration = std::chrono::seconds(30);
-    const auto all = follow(scenario, phone_drift, kNever_s, Eigen::Matrix3d::Identity());
+    const auto all = follow(scenario, phone_drift, always, Eigen::Matrix3d::Identity());
     EXPECT_TRUE(std::ranges::none_of(all, &Followed::is_known)) << "seed " << seed;
   }
 }
