@@ -6,6 +6,8 @@
 #include <string>
 #include <system_error>
 
+#include "daemon/companion_folders.hpp"
+
 namespace gimbal {
 namespace {
 
@@ -17,8 +19,7 @@ constexpr const char* kFunction = "gimbald_corner_follower";
 Result<const CornerFollower*> load_corner_follower() {
   namespace fs = std::filesystem;
   std::error_code ignored;
-  const fs::path here = fs::read_symlink("/proc/self/exe", ignored).parent_path();
-  for (const fs::path& folder : {here, here / GIMBALD_LIBEXEC_FROM_BIN}) {
+  for (const fs::path& folder : companion_folders()) {
     const fs::path file = folder / kModule;
     if (!fs::exists(file, ignored)) continue;
     void* const module = ::dlopen(file.c_str(), RTLD_NOW | RTLD_LOCAL);

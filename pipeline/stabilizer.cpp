@@ -245,17 +245,17 @@ std::optional<PicturePolygon> Stabilizer::shown_outline(const FrameStamp& stamp,
 std::vector<Neighbour> Stabilizer::neighbours_of(const VirtualCamera& camera,
                                                  std::span<const VideoFrame> others) const {
   const auto own = shown_outline(camera.stamp, camera);
+  if (!own) return {};
   std::vector<NeighbourCandidate> candidates;
   for (const VideoFrame& other : others) {
     NeighbourCandidate candidate;
-    if (own && knows_readout_of(other.stamp)) {
+    if (knows_readout_of(other.stamp)) {
       candidate.outline_px = shown_outline(other.stamp, camera).value_or(PicturePolygon{});
     }
     candidate.apart_s = std::abs(to_seconds(other.stamp.time - camera.stamp.time));
     candidates.push_back(std::move(candidate));
   }
   std::vector<Neighbour> neighbours;
-  if (!own) return neighbours;
   for (const std::size_t i : choose_neighbours(camera_.size, *own, candidates, kMostNeighbours)) {
     VirtualCamera same_view = camera;
     same_view.stamp = others[i].stamp;

@@ -14,15 +14,15 @@
 #include "daemon/gimbalctl/calibrations.hpp"
 #include "daemon/gimbalctl/camera_options.hpp"
 #include "daemon/gimbalctl/intrinsics_report.hpp"
+#include "drivers/replay/calibration_keys.hpp"
 #include "pipeline/intrinsics/intrinsics.hpp"
 
 namespace gimbal {
 namespace {
 
-const std::map<std::string, LensModel>& lens_models() {
-  static const std::map<std::string, LensModel> models = {{"pinhole", LensModel::pinhole},
-                                                          {"brown", LensModel::brown},
-                                                          {"fisheye", LensModel::fisheye}};
+std::map<std::string, LensModel> lens_models() {
+  std::map<std::string, LensModel> models;
+  for (const auto& [name, model] : lens_model_names()) models.emplace(name, model);
   return models;
 }
 
@@ -35,9 +35,8 @@ struct Arguments {
   double marker_mm = 0;
   std::string dictionary = "DICT_4X4_50";
   std::string model = "brown";
-  std::filesystem::path plot;     ///< empty: none
-  std::filesystem::path profile;  ///< empty: none
-  ExistingFile existing = ExistingFile::kept;
+  std::filesystem::path plot;  ///< empty: none
+  ProfileFile profile;
   bool json = false;
   bool quiet = false;
 
@@ -117,8 +116,7 @@ Result<void> write_profile(const Arguments& arguments, const Seen& seen, const I
   fitted.size = seen.search.size();
   fitted.lens = found.fit->lens;
   return write_calibration_profile(seen.session ? own_toml(*seen.session) : "", fitted,
-                                   comments(arguments, seen, found), arguments.profile,
-                                   arguments.existing);
+                                   comments(arguments, seen, found), arguments.profile);
 }
 
 /// Programs read the reason from standard output also where nothing could be opened.
@@ -132,9 +130,8 @@ tl::unexpected<Error> refused(const Arguments& arguments, const Error& error) {
 }
 
 Result<void> run(const Arguments& arguments) {
-  if (!arguments.profile.empty()) {
-    auto can_write = check_profile_path(arguments.profile, arguments.existing);
-    if (!can_write) return refused(arguments, can_write.error());
+  if (auto can_write = check_profile(arguments.profile); !can_write) {
+    return refused(arguments, can_write.error());
   }
   const auto seen = look(arguments);
   if (!seen) return refused(arguments, seen.error());
@@ -156,7 +153,7 @@ Result<void> run(const Arguments& arguments) {
   if (!found.reason.empty()) {
     return bad_input(arguments.source_name() + ": cannot tell: " + found.reason);
   }
-  return arguments.profile.empty() ? Result<void>() : write_profile(arguments, *seen, found);
+  return write_profile(arguments, *seen, found);
 }
 
 void add_sources(CLI::App& command, Arguments& arguments) {
@@ -187,15 +184,9 @@ void add_board(CLI::App& command, Arguments& arguments) {
 void add_results(CLI::App& command, Arguments& arguments) {
   command.add_option("--plot", arguments.plot,
                      "FILE.svg: where in the picture corners were seen, and how far off");
-  CLI::Option* const write =
-      command.add_option("--write", arguments.profile,
-                         "FILE.toml: the lens, for a session folder or the daemon's "
-                         "camera.calibration; of a session folder with all that its own says");
-  command
-      .add_flag_callback(
-          "--overwrite", [&arguments] { arguments.existing = ExistingFile::replaced; },
-          "Replace that file if it is there")
-      ->needs(write);
+  add_profile_options(command, arguments.profile,
+                      "FILE.toml: the lens, for a session folder or the daemon's "
+                      "camera.calibration; of a session folder with all that its own says");
   command.add_flag("--json", arguments.json, "For programs");
   command.add_flag("--quiet", arguments.quiet, "No progress");
 }

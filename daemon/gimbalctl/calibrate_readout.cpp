@@ -36,9 +36,8 @@ struct Arguments {
   std::filesystem::path session;  ///< empty: through the camera
   CameraOptions camera;
   std::string line;
-  std::filesystem::path plot;     ///< empty: none
-  std::filesystem::path profile;  ///< empty: none
-  ExistingFile existing = ExistingFile::kept;
+  std::filesystem::path plot;  ///< empty: none
+  ProfileFile profile;
   double light_hz = 0;
   bool json = false;
   bool quiet = false;
@@ -163,7 +162,7 @@ Result<void> write_profile(const Arguments& arguments, const Sight& sight,
       fmt::format("# readout_s measured {}, {:g} Hz; 95 % lie within {:.6f}.\n", who,
                   sight.light_hz, 2 * found.readout_sigma_s);
   return write_calibration_profile(sight.session ? own_toml(*sight.session) : "", fitted, comments,
-                                   arguments.profile, arguments.existing);
+                                   arguments.profile);
 }
 
 Result<Sight> look(const Arguments& arguments) {
@@ -177,9 +176,8 @@ Result<Sight> look(const Arguments& arguments) {
 }
 
 Result<void> run(const Arguments& arguments) {
-  if (!arguments.profile.empty()) {
-    auto can_write = check_profile_path(arguments.profile, arguments.existing);
-    if (!can_write) return can_write;
+  if (auto can_write = check_profile(arguments.profile); !can_write) {
+    return can_write;
   }
   const auto sight = look(arguments);
   if (!sight) return tl::unexpected(sight.error());
@@ -190,7 +188,7 @@ Result<void> run(const Arguments& arguments) {
     if (auto written = write_svg(bands_plot(found), arguments.plot); !written) return written;
   }
   if (found.reason.empty()) {
-    return arguments.profile.empty() ? Result<void>() : write_profile(arguments, *sight, found);
+    return write_profile(arguments, *sight, found);
   }
   return bad_input(arguments.source_name() + ": cannot tell: " + found.reason);
 }
@@ -217,14 +215,9 @@ void add_calibrate_readout(CLI::App& calibrate, CommandOutcome& outcome) {
   const auto arguments = std::make_shared<Arguments>();
   add_light(*command, *arguments);
   command->add_option("--plot", arguments->plot, "FILE.svg: how much bands of each number explain");
-  CLI::Option* const write = command->add_option(
-      "--write", arguments->profile,
+  add_profile_options(
+      *command, arguments->profile,
       "FILE.toml: the recording's session.toml with the readout time that was found");
-  command
-      ->add_flag_callback(
-          "--overwrite", [arguments] { arguments->existing = ExistingFile::replaced; },
-          "Replace that file if it is there")
-      ->needs(write);
   command->add_flag("--json", arguments->json, "For programs");
   command->add_flag("--quiet", arguments->quiet, "No progress bar");
   command->callback([arguments, &outcome] { outcome = run(*arguments); });

@@ -30,7 +30,18 @@ std::string by_whom(std::string_view command, const Session& session) {
                  std::filesystem::weakly_canonical(session.folder, ignored).filename().string());
 }
 
-Result<void> check_profile_path(const std::filesystem::path& path, ExistingFile existing) {
+void add_profile_options(CLI::App& command, ProfileFile& profile, const std::string& help) {
+  CLI::Option* const write = command.add_option("--write", profile.path, help);
+  command
+      .add_flag_callback(
+          "--overwrite", [&profile] { profile.existing = ExistingFile::replaced; },
+          "Replace that file if it is there")
+      ->needs(write);
+}
+
+Result<void> check_profile(const ProfileFile& profile) {
+  const auto& [path, existing] = profile;
+  if (path.empty()) return {};
   std::error_code ignored;
   if (existing == ExistingFile::kept && std::filesystem::exists(path, ignored)) {
     return bad_input(path.string() + ": is there already; give another name, or --overwrite");
@@ -43,12 +54,12 @@ Result<void> check_profile_path(const std::filesystem::path& path, ExistingFile 
 }
 
 Result<void> write_calibration_profile(std::string_view known_toml, const FittedCalibration& fitted,
-                                       std::string_view comments, const std::filesystem::path& path,
-                                       ExistingFile existing) {
-  if (auto can_write = check_profile_path(path, existing); !can_write) return can_write;
+                                       std::string_view comments, const ProfileFile& profile) {
+  if (profile.path.empty()) return {};
+  if (auto can_write = check_profile(profile); !can_write) return can_write;
   const auto text = recalibrated_toml(known_toml, fitted);
   if (!text) return tl::unexpected(text.error());
-  return replace_file(path, std::string(comments) + *text);
+  return replace_file(profile.path, std::string(comments) + *text);
 }
 
 }  // namespace gimbal

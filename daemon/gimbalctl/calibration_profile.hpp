@@ -1,5 +1,6 @@
 #pragma once
 
+#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -13,6 +14,15 @@ namespace gimbal {
 
 enum class ExistingFile : std::uint8_t { kept, replaced };
 
+/// Where what was found is written.
+struct ProfileFile {
+  std::filesystem::path path;  ///< empty: nowhere
+  ExistingFile existing = ExistingFile::kept;
+};
+
+/// --write and --overwrite; `profile` lives as long as the command.
+void add_profile_options(CLI::App& command, ProfileFile& profile, const std::string& help);
+
 /// "by gimbalctl COMMAND on DATE to SOURCE", for the head of a profile.
 [[nodiscard]] std::string by_whom(std::string_view command, std::string_view source);
 [[nodiscard]] std::string by_whom(std::string_view command, const Session& session);
@@ -20,18 +30,16 @@ enum class ExistingFile : std::uint8_t { kept, replaced };
 /// The recording's session.toml; one in its place where it has none.
 [[nodiscard]] std::string own_toml(const Session& session);
 
-/// Before what takes long, or cannot be done again: bad_input if the file is there and is to be kept,
-/// or has no folder.
-[[nodiscard]] Result<void> check_profile_path(const std::filesystem::path& path,
-                                              ExistingFile existing);
+/// Before what takes long, or cannot be done again: bad_input if the file is there and is to be
+/// kept, or has no folder.
+[[nodiscard]] Result<void> check_profile(const ProfileFile& profile);
 
-/// Writes what was found as a session.toml, which a session folder and the daemon's
-/// `camera.calibration` take: what was known before, with the fitted values in it, under comments
-/// that say when they were fitted and how well they are known. Fails as the check above.
+/// Writes what was found, if it is wanted, as a session.toml, which a session folder and the
+/// daemon's `camera.calibration` take: what was known before, with the fitted values in it, under
+/// comments that say when they were fitted and how well they are known. Fails as the check above.
 [[nodiscard]] Result<void> write_calibration_profile(std::string_view known_toml,
                                                      const FittedCalibration& fitted,
                                                      std::string_view comments,
-                                                     const std::filesystem::path& path,
-                                                     ExistingFile existing);
+                                                     const ProfileFile& profile);
 
 }  // namespace gimbal

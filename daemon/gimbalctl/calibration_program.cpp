@@ -4,15 +4,13 @@
 
 #include <filesystem>
 #include <string_view>
-#include <system_error>
 
+#include "daemon/companion_folders.hpp"
 #include "daemon/gimbalctl/calibrations.hpp"
 #include "daemon/gimbalctl/commands.hpp"
 
 namespace gimbal {
 namespace {
-
-namespace fs = std::filesystem;
 
 constexpr const char* kProgram = "gimbalctl-calibrate";
 
@@ -36,10 +34,7 @@ void add_stub(CLI::App& app, const char* name, const char* purpose, CommandOutco
 
 void become_calibration_program(int argc, char** argv) {
   if (!is_for_it(argc, argv)) return;
-  std::error_code ignored;
-  const fs::path here = fs::read_symlink("/proc/self/exe", ignored).parent_path();
-  if (here.empty()) return;  // or anything of that name would do that lies in the current folder
-  for (const fs::path& folder : {here, here / GIMBALD_LIBEXEC_FROM_BIN}) {
+  for (const std::filesystem::path& folder : companion_folders()) {
     execv((folder / kProgram).c_str(), argv);  // returns where it is not there
   }
 }

@@ -20,9 +20,8 @@ namespace {
 
 struct Arguments {
   std::filesystem::path session;
-  std::filesystem::path plot;     ///< empty: none
-  std::filesystem::path profile;  ///< empty: none
-  ExistingFile existing = ExistingFile::kept;
+  std::filesystem::path plot;  ///< empty: none
+  ProfileFile profile;
   bool json = false;
   bool quiet = false;
 };
@@ -43,9 +42,8 @@ tl::unexpected<Error> refused(const Arguments& arguments, const Error& error) {
 }
 
 Result<void> run(const Arguments& arguments) {
-  if (!arguments.profile.empty()) {
-    auto can_write = check_profile_path(arguments.profile, arguments.existing);
-    if (!can_write) return refused(arguments, can_write.error());
+  if (auto can_write = check_profile(arguments.profile); !can_write) {
+    return refused(arguments, can_write.error());
   }
   const auto session = open_session(arguments.session);
   if (!session) return refused(arguments, session.error());
@@ -61,8 +59,7 @@ Result<void> run(const Arguments& arguments) {
   if (!found.reason.empty()) {
     return bad_input(arguments.session.string() + ": cannot tell: " + found.reason);
   }
-  if (arguments.profile.empty()) return {};
-  return write_sync_profile(*session, *found.fit, arguments.profile, arguments.existing);
+  return write_sync_profile(*session, *found.fit, arguments.profile);
 }
 
 }  // namespace
@@ -76,15 +73,9 @@ void add_sync_command(CLI::App& app, CommandOutcome& outcome) {
       ->required();
   command->add_flag("--json", arguments->json, "For programs");
   command->add_option("--plot", arguments->plot, "FILE.svg: how well each time offset would do");
-  CLI::Option* const write =
-      command->add_option("--write", arguments->profile,
-                          "FILE.toml: the recording's session.toml with what was found, for a "
-                          "session folder or the daemon's camera.calibration");
-  command
-      ->add_flag_callback(
-          "--overwrite", [arguments] { arguments->existing = ExistingFile::replaced; },
-          "Replace that file if it is there")
-      ->needs(write);
+  add_profile_options(*command, arguments->profile,
+                      "FILE.toml: the recording's session.toml with what was found, for a "
+                      "session folder or the daemon's camera.calibration");
   command->add_flag("--quiet", arguments->quiet, "No progress bar");
   command->callback([arguments, &outcome] { outcome = run(*arguments); });
 }

@@ -11,7 +11,6 @@ namespace gimbal {
 
 /// What a fit that can be trusted has found, as a calibration profile.
 [[nodiscard]] Result<void> write_sync_profile(const Session& session, const JointFit& fit,
-                                              const std::filesystem::path& path,
-                                              ExistingFile existing);
+                                              const ProfileFile& profile);
 
 }  // namespace gimbal

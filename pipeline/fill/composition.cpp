@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "pipeline/fill/cell_extension.hpp"
+#include "pipeline/sample/smooth_step.hpp"
 
 namespace gimbal {
 namespace {
@@ -34,8 +35,7 @@ float ramp(float depth_px, float width_px) {
 }
 
 float smooth_ramp(float depth_px, float width_px) {
-  const float x = ramp(depth_px, width_px);
-  return x * x * (3 - 2 * x);
+  return smooth_step(ramp(depth_px, width_px));
 }
 
 std::uint8_t to_byte(float value) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "pipeline/warp/polygon.hpp"
+
 namespace gimbal {
 namespace {
 
@@ -17,18 +19,6 @@ constexpr double kSecondShow = 0.25;
 
 /// Frames that show less of all that is missing are left out.
 constexpr double kLeastShare = 0.01;
-
-bool contains(const PicturePolygon& polygon, const Eigen::Vector2d& point) {
-  bool inside = false;
-  for (std::size_t i = 0, before = polygon.size() - 1; i < polygon.size(); before = i++) {
-    const Eigen::Vector2d& a = polygon[i];
-    const Eigen::Vector2d& b = polygon[before];
-    if ((a.y() > point.y()) == (b.y() > point.y())) continue;
-    const double x = a.x() + (point.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
-    if (point.x() < x) inside = !inside;
-  }
-  return inside;
-}
 
 std::vector<Eigen::Vector2d> points_outside(const PicturePolygon& outline_px, ImageSize picture) {
   const double step_px = static_cast<double>(picture.width) / kPointsPerWidth;

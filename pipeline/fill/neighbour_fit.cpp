@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "pipeline/fill/cell_extension.hpp"
+#include "pipeline/sample/smooth_step.hpp"
 
 namespace gimbal {
 namespace {
@@ -66,11 +67,6 @@ class SharedCells {
   std::vector<SharedCell> cells_;
   std::vector<int> indices_;
 };
-
-float smooth_step(float x) {
-  const float held = std::clamp(x, 0.0F, 1.0F);
-  return held * held * (3 - 2 * held);
-}
 
 SharedCells find_shared(const CellGrid& grid, const ShownPart& there, const ShownPart& neighbour,
                         float reach_px) {

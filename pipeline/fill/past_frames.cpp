@@ -24,8 +24,4 @@ void PastFrames::push(const VideoFrame& frame) {
   });
 }
 
-void PastFrames::forget_before(SensorTime time) {
-  while (!frames_.empty() && frames_.front().stamp.time < time) frames_.pop_front();
-}
-
 }  // namespace gimbal

@@ -19,8 +19,6 @@ class PastFrames {
   /// Oldest first.
   [[nodiscard]] const std::deque<VideoFrame>& frames() const { return frames_; }
 
-  /// Lets go of all that are stamped before.
-  void forget_before(SensorTime time);
   void clear() { frames_.clear(); }
 
  private:

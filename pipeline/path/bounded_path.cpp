@@ -6,9 +6,9 @@
 #include <numbers>
 #include <utility>
 
-#include "pipeline/path/smooth_step.hpp"
 #include "pipeline/path/turn.hpp"
 #include "pipeline/path/view_fit.hpp"
+#include "pipeline/sample/smooth_step.hpp"
 
 namespace gimbal {
 namespace {

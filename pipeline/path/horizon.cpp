@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "pipeline/path/smooth_step.hpp"
+#include "pipeline/sample/smooth_step.hpp"
 
 namespace gimbal {
 namespace {

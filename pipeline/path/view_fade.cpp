@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "pipeline/path/smooth_step.hpp"
 #include "pipeline/path/view_fit.hpp"
+#include "pipeline/sample/smooth_step.hpp"
 
 namespace gimbal {
 namespace {
@@ -19,7 +19,8 @@ void ViewFade::begin(const SteadyView& shown, const SteadyView& instead) {
 }
 
 SteadyView ViewFade::faded(const SteadyView& view, const PathFrame& frame) const {
-  const double left = 1 - smooth_step(to_seconds(view.steady.stamp.time - since_) / kFade_s);
+  if (!since_) return view;
+  const double left = 1 - smooth_step(to_seconds(view.steady.stamp.time - *since_) / kFade_s);
   if (left <= 0) return view;
   SteadyView faded = view;
   faded.zoom = view.zoom * std::pow(zoom_ratio_, left);

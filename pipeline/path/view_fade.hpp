@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <optional>
 
 #include "pipeline/path/camera_path.hpp"
 #include "pipeline/sample/sensor_time.hpp"
@@ -19,7 +20,7 @@ class ViewFade {
   [[nodiscard]] SteadyView faded(const SteadyView& view, const PathFrame& frame) const;
 
  private:
-  SensorTime since_{};
+  std::optional<SensorTime> since_;  ///< none: nothing fades
   Eigen::Quaterniond turn_ = Eigen::Quaterniond::Identity();
   double zoom_ratio_ = 1;
 };

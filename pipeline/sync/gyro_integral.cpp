@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <utility>
 
 #include "pipeline/sample/rotation.hpp"
+#include "pipeline/sync/median.hpp"
 
 namespace gimbal {
 namespace {
@@ -70,9 +72,7 @@ void GyroIntegral::count_gaps() {
   std::vector<double> lengths_s;
   lengths_s.reserve(segments_.size());
   for (const Segment& segment : segments_) lengths_s.push_back(segment.length_s);
-  const auto middle = lengths_s.begin() + static_cast<std::ptrdiff_t>(lengths_s.size() / 2);
-  std::nth_element(lengths_s.begin(), middle, lengths_s.end());
-  const double longest_s = kGapIntervals * *middle;
+  const double longest_s = kGapIntervals * median(std::move(lengths_s));
   std::size_t gaps = 0;
   for (Segment& segment : segments_) {
     segment.gaps_before = gaps;

@@ -11,6 +11,7 @@
 
 #include "pipeline/sample/rotation.hpp"
 #include "pipeline/sync/gyro_integral.hpp"
+#include "pipeline/sync/median.hpp"
 #include "pipeline/sync/pair_residual.hpp"
 
 namespace gimbal {
@@ -64,15 +65,11 @@ Eigen::Vector2d miss_px(const SightingPair& pair, const Linearised& problem) {
   return miss;
 }
 
-/// The standard deviation of one coordinate that half of the misses of a normal distribution show:
-/// the median distance in the plane is sqrt(2 ln 2) of it.
 double noise_px(const Linearised& problem) {
   std::vector<double> distances;
   distances.reserve(problem.pairs.size());
   for (const SightingPair& pair : problem.pairs) distances.push_back(miss_px(pair, problem).norm());
-  const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-  std::nth_element(distances.begin(), middle, distances.end());
-  return std::max(kSmallestNoise_px, *middle / std::sqrt(2 * std::log(2.0)));
+  return std::max(kSmallestNoise_px, coordinate_sigma(std::move(distances)));
 }
 
 /// What is known before: gyroscopes are off by about a degree a second, and focal lengths as data

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "pipeline/sync/median.hpp"
 #include "pipeline/sync/offset_search.hpp"
 
 namespace gimbal {
@@ -27,9 +28,7 @@ constexpr double kLeastRateChange_rad_s = 0.02;  // rms, from a burst's begin to
 double median_miss_rad(const std::vector<TurnMiss>& turns) {
   std::vector<double> misses_rad;
   for (const TurnMiss& turn : turns) misses_rad.push_back(turn.miss_rad.norm());
-  const auto middle = misses_rad.begin() + static_cast<std::ptrdiff_t>(misses_rad.size() / 2);
-  std::ranges::nth_element(misses_rad, middle);
-  return *middle;
+  return median(std::move(misses_rad));
 }
 
 }  // namespace

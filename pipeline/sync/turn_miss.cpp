@@ -5,10 +5,12 @@
 #include <cmath>
 #include <cstddef>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "pipeline/sample/rotation.hpp"
 #include "pipeline/sync/cross_matrix.hpp"
+#include "pipeline/sync/median.hpp"
 
 namespace gimbal {
 namespace {
@@ -50,14 +52,11 @@ double miss_px(const Taken& corner, const Eigen::Vector3d& turn_rad) {
   return (corner.miss_px - corner.px_by_turn * turn_rad).norm();
 }
 
-/// Of one coordinate: the median distance of a normal distribution in the plane is sqrt(2 ln 2).
 double noise_px(const std::vector<Taken>& corners, const Eigen::Vector3d& turn_rad) {
   std::vector<double> misses;
   misses.reserve(corners.size());
   for (const Taken& corner : corners) misses.push_back(miss_px(corner, turn_rad));
-  const auto middle = misses.begin() + static_cast<std::ptrdiff_t>(misses.size() / 2);
-  std::nth_element(misses.begin(), middle, misses.end());
-  return std::max(kSmallestNoise_px, *middle / std::sqrt(2 * std::log(2.0)));
+  return std::max(kSmallestNoise_px, coordinate_sigma(std::move(misses)));
 }
 
 struct Step {

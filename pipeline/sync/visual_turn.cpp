@@ -5,9 +5,11 @@
 #include <cmath>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "pipeline/sample/rotation.hpp"
 #include "pipeline/sync/cross_matrix.hpp"
+#include "pipeline/sync/median.hpp"
 
 namespace gimbal {
 namespace {
@@ -28,9 +30,7 @@ double median_miss_px(std::span<const SightingPair> pairs, const Eigen::Quaterni
   std::vector<double> misses;
   misses.reserve(pairs.size());
   for (const SightingPair& pair : pairs) misses.push_back(miss_px(pair, q_to_from).norm());
-  const auto middle = misses.begin() + static_cast<std::ptrdiff_t>(misses.size() / 2);
-  std::nth_element(misses.begin(), middle, misses.end());
-  return *middle;
+  return median(std::move(misses));
 }
 
 /// One step of least squares, in which what misses by more than `scale_px` counts ever less

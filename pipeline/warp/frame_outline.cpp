@@ -6,6 +6,8 @@
 #include <limits>
 #include <optional>
 
+#include "pipeline/warp/polygon.hpp"
+
 namespace gimbal {
 namespace {
 
@@ -30,21 +32,6 @@ std::optional<std::vector<Vector2d>> seen_from(const FrameOutline& outline,
   if (!points) return std::nullopt;
   for (Vector2d& point : *points) point = (point - center).cwiseQuotient(center);
   return points;
-}
-
-double cross(const Vector2d& a, const Vector2d& b) {
-  return a.x() * b.y() - a.y() * b.x();
-}
-
-bool contains_origin(const std::vector<Vector2d>& polygon) {
-  bool inside = false;
-  Vector2d previous = polygon.back();
-  for (const Vector2d& point : polygon) {
-    const bool crosses = (point.y() > 0) != (previous.y() > 0);
-    if (crosses && (cross(previous, point) > 0) == (point.y() > previous.y())) inside = !inside;
-    previous = point;
-  }
-  return inside;
 }
 
 /// Least of max(|x|, |y|) on the segment: it is convex there, so it lies at an end or where one of
@@ -160,7 +147,7 @@ std::optional<std::vector<Vector2d>> pixels_of(const FrameOutline& outline,
 double required_zoom(const FrameOutline& outline, const Eigen::Quaterniond& q_world_camera,
                      const OutputProjection& unzoomed, ImageSize output_size) {
   const auto polygon = seen_from(outline, q_world_camera, unzoomed, output_size);
-  if (!polygon || polygon->size() < 3 || !contains_origin(*polygon)) return kInfinity;
+  if (!polygon || polygon->size() < 3 || !contains(*polygon, Vector2d::Zero())) return kInfinity;
   double least = kInfinity;
   Vector2d previous = polygon->back();
   for (const Vector2d& point : *polygon) {
