@@ -39,10 +39,10 @@ constexpr double kConfidenceFades_s = 0.25;
 
 /// From half of the room on a view is pulled back gently, at the frame's edge for good. The edge
 /// gives a little, so that a stiff path's plan does not turn on a frame: what is too much is taken
-/// off. It does not give much, or all of a runner's path would be what is taken off.
+/// off. It does not give much, or what is taken off would be seen as kinks.
 constexpr PathWall kSoftWall = {0.5, 10};
 constexpr PathWall kHardWall = {1, 3e5};
-constexpr PathWall kLastWall = {1.2, 1e8};
+constexpr PathWall kLastWall = {1.06, 3e7};
 
 // The stretch around a frame whose turns its view keeps to, and by how much it may exceed them.
 // Before and after it are a pair of steps, which a view must be able to stand through.
