@@ -41,6 +41,11 @@ double in_ms(SensorDuration duration) {
   return to_seconds(duration) * 1e3;
 }
 
+void tell_of(const Error& error) {
+  log_line(LogLevel::warning, "the time offset cannot be told by these frames: " + error.message,
+           {"offset", {}});
+}
+
 }  // namespace
 
 Result<std::unique_ptr<OffsetTracking>> OffsetTracking::create(const CameraCalibration& camera,
@@ -88,8 +93,14 @@ void OffsetTracking::saw(const VideoFrame& frame) {
   if (!growing_.empty() && ++passed_ % stride_frames_ != 0) return;
   passed_ = 0;
   const SensorDuration begin = thread_cpu_time();
-  growing_.push_back(corners_.small_picture(frame, block_px_));
+  auto picture = corners_.small_picture(frame, block_px_);
   copy_time_ = copy_time_.load() + (thread_cpu_time() - begin);
+  if (!picture) {
+    growing_.clear();
+    next_burst_ = monotonic_now() + kBetweenBursts;
+    return tell_of(picture.error());
+  }
+  growing_.push_back(*std::move(picture));
   if (growing_.size() < kBurst_frames) return;
   next_burst_ = SensorTime::max();  // until this one is done with
   {
@@ -113,9 +124,7 @@ void OffsetTracking::run() {
   ::setpriority(PRIO_PROCESS, 0, kNice);             // on Linux this thread's alone
   while (const auto woken = wait_for_burst()) {
     if (!woken->empty()) {
-      if (worth_of(*woken) == Worth::something) {
-        tracker_.push(corners_.follow_burst(*woken, kCorners));
-      }
+      if (worth_of(*woken) == Worth::something) follow(*woken);
       pace();
     }
     report();
@@ -153,6 +162,12 @@ Worth OffsetTracking::worth_of(const Burst& burst) {
     if (changed_.wait_for(lock, kLook, [this] { return stops_; })) break;
   }
   return Worth::nothing;
+}
+
+void OffsetTracking::follow(const Burst& pictures) {
+  const auto burst = corners_.follow_burst(pictures, kCorners);
+  if (!burst) return tell_of(burst.error());
+  tracker_.push(*burst);
 }
 
 /// Lets the next burst come when the share of a core allows it.

@@ -49,6 +49,7 @@ class OffsetTracking final : public SourceObserver {
   [[nodiscard]] std::optional<Burst> wait_for_burst();
   void take_gyro();
   [[nodiscard]] Worth worth_of(const Burst& burst);
+  void follow(const Burst& pictures);
   void pace();
   void report();
   void log_changes(const OffsetEstimate& estimate);

@@ -9,8 +9,8 @@ namespace gimbal {
 /// What follows corners, as a table of functions: it may lie in a module that is loaded only where
 /// it is wanted, since OpenCV's libraries are many.
 struct CornerFollower {
-  SmallPicture (*small_picture)(const VideoFrame& frame, int block_px);
-  FollowedBurst (*follow_burst)(std::span<const SmallPicture> pictures, int corners);
+  Result<SmallPicture> (*small_picture)(const VideoFrame& frame, int block_px);
+  Result<FollowedBurst> (*follow_burst)(std::span<const SmallPicture> pictures, int corners);
 };
 
 }  // namespace gimbal

@@ -1,5 +1,6 @@
 #include "pipeline/sync/feature_tracker.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
@@ -82,6 +83,7 @@ void FeatureTracker::follow(const std::vector<cv::Mat>& pyramid) {
 }
 
 void FeatureTracker::look_for_corners(const cv::Mat& picture) {
+  if (std::min(picture.cols, picture.rows) <= 2 * kBorder_px) return;  // all of it is border
   // As far apart as would spread that many over the picture evenly, and half of it.
   const double apart_px = 0.5 * std::sqrt(picture.size().area() / settings_.corners);
   cv::Mat wanted(picture.size(), CV_8UC1, cv::Scalar(0));

@@ -41,7 +41,7 @@ void offset_burst(benchmark::State& state) {
   for (auto _ : state) {
     std::vector<gimbal::SmallPicture> pictures;
     for (const VideoFrame& frame : frames) {
-      pictures.push_back(gimbal::small_picture(frame, gimbal::block_for(size)));
+      pictures.push_back(*gimbal::small_picture(frame, gimbal::block_for(size)));
     }
     benchmark::DoNotOptimize(gimbal::follow_burst(pictures, kCorners));
   }
