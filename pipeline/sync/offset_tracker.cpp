@@ -17,8 +17,10 @@ constexpr double kMostSigma_s = 0.01;  // before the offset is looked for anew
 constexpr int kDisagreeingPairs = 6;   // more of these than of others, too
 constexpr std::size_t kKeptPairs = 6;  // to begin that with
 constexpr double kSearchedSpan_s = 8;
-constexpr int kSearchRounds = 3;  // each sees rows where the one before found them
-constexpr double kOutlier = 4;    // in medians
+constexpr std::size_t kSearchedPairs = 12;  // so many are kept for longer, where bursts are rare
+constexpr double kLongestSpan_s = 30;       // in which a clock drifts by what a search blurs
+constexpr int kSearchRounds = 3;            // each sees rows where the one before found them
+constexpr double kOutlier = 4;              // in medians
 constexpr double kAgreeingShare = 0.6;
 constexpr double kMargin_s = 0.05;  // of the gyroscope's log, beside the frames
 constexpr double kMotionSpan_s = 0.5;
@@ -50,7 +52,7 @@ OffsetTracker::OffsetTracker(const CameraCalibration& camera, const ImuCalibrati
 void OffsetTracker::push(const GyroSample& sample) {
   if (!gyro_.empty() && sample.time <= gyro_.back().time) return;
   gyro_.push_back(sample);
-  const SensorDuration kept = duration_from_seconds(kSearchedSpan_s + 2 * kOffsetReach_s);
+  const SensorDuration kept = duration_from_seconds(kLongestSpan_s + 2 * kOffsetReach_s);
   while (gyro_.front().time < sample.time - kept) gyro_.pop_front();
 }
 
@@ -106,7 +108,11 @@ void OffsetTracker::push(Seen seen) {
     follow(recent_.back());
     while (recent_.size() > kKeptPairs) recent_.pop_front();
   }
-  while (recent_.front().time_s < recent_.back().time_s - kSearchedSpan_s) recent_.pop_front();
+  const auto is_too_old = [this](const Seen& one) {
+    const double span_s = recent_.size() > kSearchedPairs ? kSearchedSpan_s : kLongestSpan_s;
+    return one.time_s < recent_.back().time_s - span_s;
+  };
+  while (is_too_old(recent_.front())) recent_.pop_front();
 }
 
 std::optional<TurnMiss> OffsetTracker::miss_of(const Seen& seen, const OffsetFilter& filter) const {
@@ -137,8 +143,9 @@ void OffsetTracker::lose() {
 }
 
 void OffsetTracker::look_for_offset() {
-  const auto gyro = gyro_between(seconds_since_epoch(gyro_.front().time),
-                                 seconds_since_epoch(gyro_.back().time), filter_.bias_rad_s());
+  const double begin_s = recent_.front().time_s + filter_.offset_s() - 2 * kOffsetReach_s;
+  const auto gyro =
+      gyro_between(begin_s, seconds_since_epoch(gyro_.back().time), filter_.bias_rad_s());
   if (!gyro) return;
   auto offset_s = find_offset(turns_seen(filter_), *gyro, R_camera_imu_, filter_.offset_s());
   if (!offset_s) return;

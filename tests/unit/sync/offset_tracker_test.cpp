@@ -9,6 +9,7 @@
 #include <chrono>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "tests/support/synthetic_tracks.hpp"
@@ -65,14 +66,21 @@ JointData recorded_by(const TrackScenario& scenario, const ClockError& clock_err
   return data;
 }
 
+struct Following {
+  Shown shown = always;
+  std::optional<Eigen::Matrix3d> R_camera_imu_said = std::nullopt;  ///< the true one unless given
+  std::size_t burst_every = kBurstEvery;
+};
+
 /// What a tracker says at the end of each burst.
 std::vector<Followed> follow(const TrackScenario& scenario, const ClockError& clock_error,
-                             const Shown& shown, const Eigen::Matrix3d& R_camera_imu_said) {
+                             const Following& following = {}) {
+  const auto R_camera_imu_said = following.R_camera_imu_said.value_or(scenario.M_camera_imu);
   const JointData data = recorded_by(scenario, clock_error);
   OffsetTracker tracker = *OffsetTracker::create(data.camera, {R_camera_imu_said, std::nullopt});
   std::vector<Followed> all;
   auto sample = data.gyro.begin();
-  for (std::size_t i = 0; i + kBurst <= data.frames.size(); i += kBurstEvery) {
+  for (std::size_t i = 0; i + kBurst <= data.frames.size(); i += following.burst_every) {
     const FollowedBurst burst = burst_at(data, i);
     const FrameStamp& first = burst.frames.front();
     const FrameStamp& last = burst.frames.back();
@@ -80,7 +88,7 @@ std::vector<Followed> follow(const TrackScenario& scenario, const ClockError& cl
       tracker.push(*sample++);
     }
     const double time_s = static_cast<double>(i + kBurst - 1) / scenario.camera.fps;
-    const bool turns = shown(time_s) && tracker.worth_of(first, last) == Worth::something;
+    const bool turns = following.shown(time_s) && tracker.worth_of(first, last) == Worth::something;
     if (turns) tracker.push(burst);
     const OffsetEstimate estimate = tracker.estimate_at(last.time);
     const double truth_s = to_seconds(scenario.camera.time_offset) + clock_error(time_s);
@@ -88,11 +96,6 @@ std::vector<Followed> follow(const TrackScenario& scenario, const ClockError& cl
                    estimate.is_known});
   }
   return all;
-}
-
-std::vector<Followed> follow(const TrackScenario& scenario, const ClockError& clock_error,
-                             const Shown& shown = always) {
-  return follow(scenario, clock_error, shown, scenario.M_camera_imu);
 }
 
 /// A hand that walks and sways; as a phone has them, and as a board has them.
@@ -144,6 +147,21 @@ TEST(OffsetTracker, FollowsItThoughAThirdOfTheCornersMoveOnTheirOwn) {
   }
 }
 
+// As on a slow board, or where little of a core is allowed.
+TEST(OffsetTracker, FollowsItWhereBurstsAreRare) {
+  for (const std::size_t burst_every :
+       {std::size_t{120}, std::size_t{240}}) {  // frames: four and eight seconds
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      TrackScenario scenario = scenario_of(seed);
+      scenario.duration = std::chrono::seconds(90);
+      const auto all = follow(scenario, jump_at(-1, -0.4), {.burst_every = burst_every});
+      EXPECT_LT(largest_error_s(all, 40), 2e-3) << burst_every << " frames, seed " << seed;
+      EXPECT_TRUE(all.back().is_known) << burst_every << " frames, seed " << seed;
+      EXPECT_TRUE(std::ranges::none_of(all, is_confidently_wrong)) << "seed " << seed;
+    }
+  }
+}
+
 TEST(OffsetTracker, SaysHowUncertainItIs) {
   double sum = 0;
   int count = 0;
@@ -182,7 +200,7 @@ TEST(OffsetTracker, ComesBackAfterAJump) {
 TEST(OffsetTracker, KeepsWhatItKnowsEverLessSurelyWhileNothingTurns) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const auto all =
-        follow(scenario_of(seed), phone_drift, [](double time_s) { return time_s < 20; });
+        follow(scenario_of(seed), phone_drift, {[](double time_s) { return time_s < 20; }});
     const auto at = [&](double time_s) {
       return *std::ranges::lower_bound(all, time_s, {}, &Followed::time_s);
     };
@@ -199,9 +217,9 @@ TEST(OffsetTracker, FindsItAnewHoweverLongItWasLost) {
     TrackScenario scenario = scenario_of(seed);
     scenario.duration = std::chrono::seconds(250);
     // A bump in long stillness is too little to find it by, but tells that it is lost.
-    const auto all = follow(scenario, phone_drift, [](double time_s) {
-      return time_s < 20 || (time_s > 140 && time_s < 141) || time_s > 230;
-    });
+    const auto all = follow(scenario, phone_drift, {[](double time_s) {
+                              return time_s < 20 || (time_s > 140 && time_s < 141) || time_s > 230;
+                            }});
     EXPECT_LT(largest_error_s(all, 240), 1.5e-3) << "seed " << seed;
     EXPECT_TRUE(all.back().is_known) << "seed " << seed;
   }
@@ -222,9 +240,12 @@ TEST(OffsetTracker, FindsNothingIfTheAxesAreNotAsTheyAreSaidToBe) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     TrackScenario scenario = scenario_of(seed);
     scenario.M_camera_imu << 0, -1, 0, -1, 0, 0, 0, 0, -1;
-    scenario.duration = std::chrono::seconds(30);
-    const auto all = follow(scenario, phone_drift, always, Eigen::Matrix3d::Identity());
-    EXPECT_TRUE(std::ranges::none_of(all, &Followed::is_known)) << "seed " << seed;
+    scenario.duration = std::chrono::seconds(40);
+    for (const std::size_t burst_every : {kBurstEvery, std::size_t{120}}) {
+      const auto all =
+          follow(scenario, phone_drift, {always, Eigen::Matrix3d::Identity(), burst_every});
+      EXPECT_TRUE(std::ranges::none_of(all, &Followed::is_known)) << "seed " << seed;
+    }
   }
 }
 
