@@ -371,6 +371,7 @@ Result<std::unique_ptr<Warper>> LivePipeline::open_warper() {
 /// A renderer that was reset is opened again; one that fails twice has failed.
 Result<VideoFrame> LivePipeline::draw_one(std::unique_ptr<Warper>& warper, const Drawing& drawing) {
   auto drawn = draw_with(*warper, drawing);
+  tell_transfers(*warper);
   if (drawn) return drawn;
   log_line(LogLevel::error, drawn.error().message + "; opening the renderer again",
            {"renderer", {}});
@@ -379,6 +380,13 @@ Result<VideoFrame> LivePipeline::draw_one(std::unique_ptr<Warper>& warper, const
   if (!again) return tl::unexpected(again.error());
   warper = std::move(*again);
   return draw_with(*warper, drawing);
+}
+
+/// Which way pictures take to the GPU and back is known once one was drawn.
+void LivePipeline::tell_transfers(const Warper& warper) {
+  std::string transfers = warper.transfers();
+  const std::lock_guard lock(mutex_);
+  transfers_ = std::move(transfers);
 }
 
 Result<VideoFrame> LivePipeline::draw_with(Warper& warper, const Drawing& drawing) {
@@ -432,6 +440,11 @@ bool LivePipeline::has_ended() const {
 std::optional<Error> LivePipeline::failure() const {
   const std::lock_guard lock(mutex_);
   return failure_;
+}
+
+std::string LivePipeline::transfers() const {
+  const std::lock_guard lock(mutex_);
+  return transfers_;
 }
 
 std::string LivePipeline::renderer() const {

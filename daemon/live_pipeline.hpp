@@ -154,6 +154,8 @@ class LivePipeline {
 
   /// What draws.
   [[nodiscard]] std::string renderer() const;
+  /// See Warper::transfers.
+  [[nodiscard]] std::string transfers() const;
 
   /// For the next run; see AttitudeStream.
   [[nodiscard]] std::optional<GyroBias> gyro_bias() const;
@@ -197,6 +199,7 @@ class LivePipeline {
   [[nodiscard]] Result<std::unique_ptr<Warper>> open_warper();
   [[nodiscard]] Result<VideoFrame> draw_one(std::unique_ptr<Warper>& warper,
                                             const Drawing& drawing);
+  void tell_transfers(const Warper& warper);
   [[nodiscard]] Result<VideoFrame> draw_with(Warper& warper, const Drawing& drawing);
   void draw_no_signal();
   void show(VideoFrame frame);
@@ -253,6 +256,7 @@ class LivePipeline {
 
   mutable std::mutex mutex_;
   std::string renderer_;
+  std::string transfers_;
   std::string suspicion_;
   std::optional<CameraAttitude> attitude_;
   std::optional<GyroBias> gyro_bias_;

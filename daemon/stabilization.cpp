@@ -47,6 +47,12 @@ const std::map<std::string, WarperKind>& warper_names() {
   return names;
 }
 
+const std::map<std::string, DmaBufUse>& dma_buf_use_names() {
+  static const std::map<std::string, DmaBufUse> names = {
+      {"auto", DmaBufUse::on_gpus}, {"always", DmaBufUse::always}, {"never", DmaBufUse::never}};
+  return names;
+}
+
 const std::map<std::string, Interpolation>& interpolation_names() {
   static const std::map<std::string, Interpolation> names = {{"bilinear", Interpolation::bilinear},
                                                              {"bicubic", Interpolation::bicubic}};
@@ -169,7 +175,8 @@ Result<ChosenWarper> choose_warper(const StabilizationSettings& settings, ImageS
   if (settings.warper == WarperKind::cpu) {
     return ChosenWarper{make_cpu_warper(settings), "asked for", ""};
   }
-  auto gles = make_gles_warper(size, size, settings.interpolation);
+  auto gles =
+      make_gles_warper(size, size, {settings.interpolation, GlesVersion::best, settings.dma_bufs});
   if (settings.warper == WarperKind::gles) {
     if (!gles) return tl::unexpected(gles.error());
     return ChosenWarper{std::move(*gles), "asked for", ""};

@@ -26,6 +26,7 @@ enum class Correction : std::uint8_t { rectify_and_stabilize, rectify_only };
 [[nodiscard]] const std::map<std::string, EstimatorKind>& estimator_names();
 [[nodiscard]] const std::map<std::string, PathKind>& path_names();
 [[nodiscard]] const std::map<std::string, WarperKind>& warper_names();
+[[nodiscard]] const std::map<std::string, DmaBufUse>& dma_buf_use_names();
 [[nodiscard]] const std::map<std::string, Interpolation>& interpolation_names();
 [[nodiscard]] const std::map<std::string, OutputLens>& output_lens_names();
 [[nodiscard]] const std::map<std::string, Border>& border_names();
@@ -85,6 +86,7 @@ struct StabilizationSettings {
   std::optional<double> zoom_speed_per_s;  ///< that it grows by at most; none: the usual one
   Border border = Border::crop;
   std::optional<WarperKind> warper;  ///< none: GLES on a GPU, else the CPU
+  DmaBufUse dma_bufs = DmaBufUse::on_gpus;
   Interpolation interpolation = Interpolation::bilinear;
   OutputLens output_lens = OutputLens::rectilinear;
   std::optional<double> output_fov_deg;  ///< none: the focal length that the camera has

@@ -98,6 +98,7 @@ void read_stabilization(TomlTable& table, StabilizationSettings& settings) {
     read_choice(table, "warper", warper_names(), kind);
     settings.warper = kind;
   }
+  read_choice(table, "dma_buf", dma_buf_use_names(), settings.dma_bufs);
   read_choice(table, "interpolation", interpolation_names(), settings.interpolation);
   read_choice(table, "output_lens", output_lens_names(), settings.output_lens);
   if (const auto fov = table.number("output_fov_deg")) {

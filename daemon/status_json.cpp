@@ -166,6 +166,7 @@ Json status_as_json(const Supervisor& daemon) {
   imu["rate_hz"] = status.gyro_rate_hz > 0 ? Json(status.gyro_rate_hz) : Json(nullptr);
   imu["samples_off_clock"] = status.counts.samples_off_clock;
   imu["remarks"] = status.imu.remarks;
+  const std::string transfers = pipeline.transfers();
   return {
       {"version", GIMBALD_VERSION},
       {"degraded", degraded(status, daemon)},
@@ -178,6 +179,7 @@ Json status_as_json(const Supervisor& daemon) {
       {"frames", as_json(status.counts)},
       {"age_s", {{"median", to_seconds(status.age.median)}, {"p99", to_seconds(status.age.p99)}}},
       {"renderer", pipeline.renderer()},
+      {"transfers", transfers.empty() ? Json(nullptr) : Json(transfers)},
       {"settings", live_settings_as_json(daemon.settings())},
       {"outputs", outputs_as_json(pipeline)},
       {"recording", recording_as_json(daemon.recorder().status())},

@@ -39,6 +39,9 @@ std::vector<std::string> changed_other_keys(const Configuration& before,
   if (before.stabilization.warper != after.stabilization.warper) {
     keys.emplace_back("stabilization.warper");
   }
+  if (before.stabilization.dma_bufs != after.stabilization.dma_bufs) {
+    keys.emplace_back("stabilization.dma_buf");
+  }
   if (before.stabilization.interpolation != after.stabilization.interpolation) {
     keys.emplace_back("stabilization.interpolation");
   }

@@ -164,6 +164,9 @@ std::string status_for_people(const Json& status) {
                                   1e3 * number_at(status, "/age_s/median"),
                                   1e3 * number_at(status, "/age_s/p99")));
   text += line("drawn by", text_at(status, "/renderer"));
+  if (const auto transfers = text_at(status, "/transfers"); !transfers.empty()) {
+    text += line("pictures", transfers);
+  }
   text += settings_for_people(part("settings"));
   for (const Json& output : part("outputs")) text += line("output", output_for_people(output));
   text += line("recording", recording_for_people(part("recording")));

@@ -39,6 +39,7 @@ Json to_json(const StabilizeReport& report) {
       {"warper_reason", report.warper_reason},
       {"gl_renderer", report.warper == "gles" ? Json(report.renderer) : Json(nullptr)},
       {"renderer", report.renderer},
+      {"transfers", report.transfers.empty() ? Json(nullptr) : Json(report.transfers)},
       {"interpolation", report.interpolation},
       {"mesh",
        {{"max_vertex_columns", report.mesh.most_vertex_columns},

@@ -46,6 +46,7 @@ struct StabilizeReport {
   std::string warper;
   std::string warper_reason;  ///< why this one
   std::string renderer;
+  std::string transfers;  ///< of the last frame; see Warper::transfers
   std::string interpolation;
   MeshSummary mesh;
   CopiedBytes copied;

@@ -1,5 +1,7 @@
 #include "pipeline/gstreamer/gst_frames.hpp"
 
+#include <gst/allocators/gstdmabuf.h>
+
 #include <string_view>
 #include <utility>
 
@@ -31,6 +33,21 @@ GstMemory* wrap_memory(const VideoFrame& frame, const std::uint8_t* from, std::s
   auto* storage = new std::shared_ptr<const void>(frame.storage);
   return gst_memory_new_wrapped(GST_MEMORY_FLAG_READONLY, data, bytes, 0, bytes, storage,
                                 release_storage);
+}
+
+/// The frame's planes as one dma-buf, from its beginning; null where they lie in several.
+GstMemory* wrap_dma_buf(const VideoFrame& frame, std::size_t chroma_bytes) {
+  if (!frame.dma_buf || (*frame.dma_buf)[0].fd != (*frame.dma_buf)[1].fd) return nullptr;
+  static const std::unique_ptr<GstAllocator, GstObjectUnref> allocator(gst_dmabuf_allocator_new());
+  const DmaBufPlane& chroma = (*frame.dma_buf)[1];
+  const std::size_t bytes = static_cast<std::size_t>(chroma.offset_bytes) + chroma_bytes;
+  // The descriptor is the storage's, which stays as long as the memory does.
+  GstMemory* memory = gst_dmabuf_allocator_alloc_with_flags(allocator.get(), chroma.fd, bytes,
+                                                            GST_FD_MEMORY_FLAG_DONT_CLOSE);
+  GST_MINI_OBJECT_FLAG_SET(memory, GST_MEMORY_FLAG_READONLY);
+  gst_mini_object_set_qdata(GST_MINI_OBJECT(memory), g_quark_from_static_string("gimbald-storage"),
+                            new std::shared_ptr<const void>(frame.storage), release_storage);
+  return memory;
 }
 
 /// Keeps a buffer mapped for as long as a frame points into it.
@@ -96,24 +113,40 @@ ColorInfo color_of(const GstCaps* caps) {
           is_centered ? ChromaSiting::center : ChromaSiting::left};
 }
 
-GstBufferPtr wrap_frame(const VideoFrame& frame) {
+namespace {
+
+/// Where luma and chroma begin in a buffer.
+using PlaneOffsets = std::array<std::size_t, 2>;
+
+PlaneOffsets append_memory(const VideoFrame& frame, GstBuffer* buffer) {
   const auto shapes = nv12_planes(frame.size);
   const auto [luma, chroma] = frame.planes;
   const std::size_t luma_bytes = bytes_spanned(shapes[0], luma.stride_bytes);
   const std::size_t chroma_bytes = bytes_spanned(shapes[1], chroma.stride_bytes);
-  const std::ptrdiff_t luma_rows_bytes = luma.stride_bytes * shapes[0].rows;
-  const bool is_one_piece = chroma.data == luma.data + luma_rows_bytes;
-  const std::size_t chroma_offset =
-      is_one_piece ? static_cast<std::size_t>(luma_rows_bytes) : luma_bytes;
-  GstBufferPtr buffer(gst_buffer_new());
-  if (is_one_piece) {
-    gst_buffer_append_memory(buffer.get(),
-                             wrap_memory(frame, luma.data, chroma_offset + chroma_bytes));
-  } else {
-    gst_buffer_append_memory(buffer.get(), wrap_memory(frame, luma.data, luma_bytes));
-    gst_buffer_append_memory(buffer.get(), wrap_memory(frame, chroma.data, chroma_bytes));
+  if (GstMemory* const memory = wrap_dma_buf(frame, chroma_bytes)) {
+    gst_buffer_append_memory(buffer, memory);
+    const auto& [luma_place, chroma_place] = *frame.dma_buf;
+    return {static_cast<std::size_t>(luma_place.offset_bytes),
+            static_cast<std::size_t>(chroma_place.offset_bytes)};
   }
-  gsize offsets[GST_VIDEO_MAX_PLANES] = {0, chroma_offset};
+  const std::ptrdiff_t luma_rows_bytes = luma.stride_bytes * shapes[0].rows;
+  if (chroma.data == luma.data + luma_rows_bytes) {
+    const auto chroma_offset = static_cast<std::size_t>(luma_rows_bytes);
+    gst_buffer_append_memory(buffer, wrap_memory(frame, luma.data, chroma_offset + chroma_bytes));
+    return {0, chroma_offset};
+  }
+  gst_buffer_append_memory(buffer, wrap_memory(frame, luma.data, luma_bytes));
+  gst_buffer_append_memory(buffer, wrap_memory(frame, chroma.data, chroma_bytes));
+  return {0, luma_bytes};
+}
+
+}  // namespace
+
+GstBufferPtr wrap_frame(const VideoFrame& frame) {
+  const auto [luma, chroma] = frame.planes;
+  GstBufferPtr buffer(gst_buffer_new());
+  const PlaneOffsets begins = append_memory(frame, buffer.get());
+  gsize offsets[GST_VIDEO_MAX_PLANES] = {begins[0], begins[1]};
   gint strides[GST_VIDEO_MAX_PLANES] = {static_cast<gint>(luma.stride_bytes),
                                         static_cast<gint>(chroma.stride_bytes)};
   gst_buffer_add_video_meta_full(buffer.get(), GST_VIDEO_FRAME_FLAG_NONE, GST_VIDEO_FORMAT_NV12,

@@ -21,8 +21,9 @@ namespace gimbal {
 [[nodiscard]] ColorInfo color_of(const GstCaps* caps);
 
 /// A read-only buffer over the frame's own memory, in one piece where the planes are, with its
-/// strides as GstVideoMeta; it keeps the frame's storage until GStreamer lets go of it.
-/// Presentation time and duration are not set.
+/// strides as GstVideoMeta; it keeps the frame's storage until GStreamer lets go of it. What lies
+/// in a dma-buf goes as one, which encoders and displays can import. Presentation time and duration
+/// are not set.
 [[nodiscard]] GstBufferPtr wrap_frame(const VideoFrame& frame);
 
 /// A picture as it lies in a sample's own memory.

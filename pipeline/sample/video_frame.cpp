@@ -28,9 +28,15 @@ Nv12Buffer::Nv12Buffer(ImageSize size) : size_(size) {
   const std::ptrdiff_t luma_stride = align_up(size.width);
   const std::ptrdiff_t chroma_stride = align_up(std::ptrdiff_t{2} * chroma.width);
   const std::ptrdiff_t luma_bytes = luma_stride * size.height;
-  storage_ = allocate(static_cast<std::size_t>(luma_bytes + chroma_stride * chroma.height));
-  planes_ = {{{storage_.get(), luma_stride}, {storage_.get() + luma_bytes, chroma_stride}}};
+  const auto memory =
+      allocate(static_cast<std::size_t>(luma_bytes + chroma_stride * chroma.height));
+  planes_ = {{{memory.get(), luma_stride}, {memory.get() + luma_bytes, chroma_stride}}};
+  storage_ = memory;
 }
+
+Nv12Buffer::Nv12Buffer(ImageSize size, const std::array<MutablePlane, 2>& planes,
+                       std::shared_ptr<void> storage, const std::array<DmaBufPlane, 2>& dma_buf)
+    : size_(size), planes_(planes), storage_(std::move(storage)), dma_buf_(dma_buf) {}
 
 VideoFrame Nv12Buffer::publish(FrameStamp stamp, ColorInfo color) && {
   VideoFrame frame;
@@ -40,6 +46,7 @@ VideoFrame Nv12Buffer::publish(FrameStamp stamp, ColorInfo color) && {
   frame.planes = {
       {{planes_[0].data, planes_[0].stride_bytes}, {planes_[1].data, planes_[1].stride_bytes}}};
   frame.storage = std::move(storage_);
+  frame.dma_buf = dma_buf_;
   return frame;
 }
 

@@ -81,9 +81,16 @@ class Nv12Buffer {
   /// Contents are not initialised. Strides are multiples of 64 bytes.
   explicit Nv12Buffer(ImageSize size);
 
+  /// In memory that `storage` keeps, and that is also where `dma_buf` says.
+  Nv12Buffer(ImageSize size, const std::array<MutablePlane, 2>& planes,
+             std::shared_ptr<void> storage, const std::array<DmaBufPlane, 2>& dma_buf);
+
   [[nodiscard]] ImageSize size() const { return size_; }
   [[nodiscard]] MutablePlane luma() const { return planes_[0]; }
   [[nodiscard]] MutablePlane chroma() const { return planes_[1]; }
+  [[nodiscard]] const std::optional<std::array<DmaBufPlane, 2>>& dma_buf() const {
+    return dma_buf_;
+  }
 
   /// Hands the picture over; the buffer must not be written afterwards.
   [[nodiscard]] VideoFrame publish(FrameStamp stamp, ColorInfo color) &&;
@@ -91,7 +98,8 @@ class Nv12Buffer {
  private:
   ImageSize size_;
   std::array<MutablePlane, 2> planes_;
-  std::shared_ptr<std::uint8_t[]> storage_;
+  std::shared_ptr<void> storage_;
+  std::optional<std::array<DmaBufPlane, 2>> dma_buf_;
 };
 
 }  // namespace gimbal

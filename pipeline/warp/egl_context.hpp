@@ -34,6 +34,8 @@ class EglContext {
   /// what was being done.
   [[nodiscard]] Result<void> check(std::string_view doing) const;
 
+  [[nodiscard]] const EglDisplay& display() const { return *display_; }
+
   /// 3 or 2: what was asked for, though Mesa gives all of 3 to those who ask for 2.
   [[nodiscard]] int major_version() const { return major_version_; }
 

@@ -36,7 +36,7 @@ Result<GlShader> compile(GLenum stage, std::string_view name, const std::string&
 
 }  // namespace
 
-GlTexture make_texture(ImageSize size, const TextureFormat& format, GLint filter) {
+GlTexture make_texture_name(GLint filter) {
   GLuint name = 0;
   glGenTextures(1, &name);
   glBindTexture(GL_TEXTURE_2D, name);
@@ -44,15 +44,34 @@ GlTexture make_texture(ImageSize size, const TextureFormat& format, GLint filter
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  return GlTexture(name);
+}
+
+GlTexture make_texture(ImageSize size, const TextureFormat& format, GLint filter) {
+  GlTexture texture = make_texture_name(filter);
   glTexImage2D(GL_TEXTURE_2D, 0, format.internal_format, size.width, size.height, 0, format.format,
                GL_UNSIGNED_BYTE, nullptr);
-  return GlTexture(name);
+  return texture;
 }
 
 GlBuffer make_buffer() {
   GLuint name = 0;
   glGenBuffers(1, &name);
   return GlBuffer(name);
+}
+
+GlBuffer make_corners() {
+  constexpr std::array<GLfloat, 8> corners = {0, 0, 1, 0, 0, 1, 1, 1};
+  GlBuffer buffer = make_buffer();
+  glBindBuffer(GL_ARRAY_BUFFER, buffer.name());
+  glBufferData(GL_ARRAY_BUFFER, sizeof(corners), corners.data(), GL_STATIC_DRAW);
+  return buffer;
+}
+
+void draw_corners(const GlProgram& program, const GlBuffer& corners) {
+  glBindBuffer(GL_ARRAY_BUFFER, corners.name());
+  set_attribute(program, "corner", 0, 0);
+  glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
 }
 
 void set_attribute(const GlProgram& program, const char* name, GLsizei stride_bytes,

@@ -64,10 +64,19 @@ struct TextureFormat {
   int bytes_per_pixel;
 };
 
+/// Bound, without memory; samples are clamped to its edge.
+[[nodiscard]] GlTexture make_texture_name(GLint filter);
+
 /// Without contents; samples are clamped to its edge.
 [[nodiscard]] GlTexture make_texture(ImageSize size, const TextureFormat& format, GLint filter);
 
 [[nodiscard]] GlBuffer make_buffer();
+
+/// The corners of a rectangle, 0 or 1.
+[[nodiscard]] GlBuffer make_corners();
+
+/// Draws them with the program in use, as its attribute `corner`: all of the target is covered.
+void draw_corners(const GlProgram& program, const GlBuffer& corners);
 
 /// Vertex attribute `name` of the program, two floats each, from the buffer bound to
 /// GL_ARRAY_BUFFER.

@@ -7,11 +7,12 @@
 #include <utility>
 
 #include "pipeline/warp/black_level.hpp"
+#include "pipeline/warp/draw_plane.hpp"
 #include "pipeline/warp/egl_context.hpp"
-#include "pipeline/warp/gles_plane.hpp"
-#include "pipeline/warp/mesh_painter.hpp"
-#include "pipeline/warp/picture_pool.hpp"
-#include "pipeline/warp/readback_probe.hpp"
+#include "pipeline/warp/gles_input.hpp"
+#include "pipeline/warp/gles_output.hpp"
+#include "pipeline/warp/gles_tools.hpp"
+#include "pipeline/warp/plane_format.hpp"
 #include "pipeline/warp/warp_input.hpp"
 #include "pipeline/warp/warper.hpp"
 
@@ -41,15 +42,10 @@ Result<void> check_size(std::string_view what, ImageSize size) {
   return {};
 }
 
-std::int64_t nv12_bytes(ImageSize size) {
-  const ImageSize chroma = chroma_size(size);
-  return std::int64_t{size.width} * size.height + 2 * std::int64_t{chroma.width} * chroma.height;
-}
-
 class GlesWarper final : public Warper {
  public:
-  GlesWarper(std::unique_ptr<EglContext> context, MeshPainter painter, Readback readback)
-      : context_(std::move(context)), painter_(std::move(painter)), readback_(readback) {}
+  GlesWarper(std::unique_ptr<EglContext> context, GlesTools tools)
+      : context_(std::move(context)), tools_(std::move(tools)) {}
 
   ~GlesWarper() override {
     // Without our context GL calls would hit whatever context is current instead.
@@ -64,74 +60,102 @@ class GlesWarper final : public Warper {
     if (auto ready = prepare(source.size, mesh.output_size); !ready) {
       return tl::unexpected(ready.error());
     }
-    Nv12Buffer picture = draw(source, mesh);
-    if (auto drawn = context_->check("drawing a frame"); !drawn) {
-      return tl::unexpected(drawn.error());
+    auto drawn = draw(source, mesh);
+    if (auto checked = context_->check("drawing a frame"); !checked) {
+      return tl::unexpected(checked.error());
     }
-    return pool_.publish(std::move(picture), source.stamp, source.color);
+    return drawn;
   }
 
-  [[nodiscard]] std::int64_t bytes_copied() const override { return bytes_copied_; }
+  [[nodiscard]] std::int64_t bytes_copied() const override {
+    return bytes_copied_before_ + (input_ ? input_->bytes_copied() : 0) +
+           (output_ ? output_->bytes_copied() : 0);
+  }
   [[nodiscard]] std::string name() const override { return "gles"; }
   [[nodiscard]] std::string renderer() const override { return renderer_; }
+  [[nodiscard]] std::string transfers() const override {
+    const auto text = [](std::optional<PlaneView> view) {
+      return view ? std::string(dma_buf_text(*view)) : "copied";
+    };
+    return fmt::format("in {}, out {}", text(input_ ? input_->view() : std::nullopt),
+                       text(output_ ? output_->view() : std::nullopt));
+  }
 
   /// Makes the textures for these sizes, unless they are there already.
   [[nodiscard]] Result<void> prepare(ImageSize source, ImageSize output) {
-    if (planes_ && source == source_size_ && output == output_size_) return {};
-    planes_.reset();
+    if (input_ && source == source_size_ && output == output_size_) return {};
+    bytes_copied_before_ = bytes_copied();
+    input_.reset();
+    output_.reset();
     if (auto fits = check_size("frame", source); !fits) return fits;
     if (auto fits = check_size("output", output); !fits) return fits;
-    auto planes = make_planes(source, output);
-    if (!planes) return tl::unexpected(planes.error());
-    planes_ = std::move(*planes);
+    auto target = GlesOutput::create(tools_, output);
+    if (!target) return tl::unexpected(target.error());
+    output_.emplace(std::move(*target));
+    input_.emplace(tools_, source);
     source_size_ = source;
     output_size_ = output;
     return context_->check("making textures");
   }
 
  private:
-  struct Planes {
-    GlesPlane luma;
-    GlesPlane chroma;
-  };
-
-  [[nodiscard]] Result<GlesPlane> make_plane(Plane plane, ImageSize source, ImageSize output) {
-    return GlesPlane::create(plane, source, output, context_->major_version(), readback_);
-  }
-
-  [[nodiscard]] Result<Planes> make_planes(ImageSize source, ImageSize output) {
-    auto luma = make_plane(Plane::luma, source, output);
-    if (!luma) return tl::unexpected(luma.error());
-    auto chroma = make_plane(Plane::chroma, source, output);
-    if (!chroma) return tl::unexpected(chroma.error());
-    return Planes{std::move(*luma), std::move(*chroma)};
-  }
-
   /// Both planes are on their way before the first is waited for.
-  [[nodiscard]] Nv12Buffer draw(const VideoFrame& source, const WarpMesh& mesh) {
-    const BlackLevel black = black_level(source.color);
-    const ChromaSiting siting = source.color.chroma_siting;
-    planes_->luma.upload(source.planes[0]);
-    planes_->chroma.upload(source.planes[1]);
-    planes_->luma.draw(painter_, mesh, siting, {black.luma, 0});
-    planes_->chroma.draw(painter_, mesh, siting, black.chroma);
-    Nv12Buffer picture = pool_.take(mesh.output_size);
-    planes_->luma.read(picture.luma());
-    planes_->chroma.read(picture.chroma());
-    bytes_copied_ += nv12_bytes(source.size) + nv12_bytes(mesh.output_size);
-    return picture;
+  [[nodiscard]] Result<VideoFrame> draw(const VideoFrame& frame, const WarpMesh& mesh) {
+    const BlackLevel black = black_level(frame.color);
+    const ChromaSiting siting = frame.color.chroma_siting;
+    const GlesInput::Source source = input_->bring(frame);
+    const std::array<GLuint, 2> targets = output_->begin();
+    draw_plane(*source.painter, mesh, Plane::luma, siting, {black.luma, 0},
+               {source.textures[0], targets[0]});
+    draw_plane(*source.painter, mesh, Plane::chroma, siting, black.chroma,
+               {source.textures[1], targets[1]});
+    auto drawn = output_->finish(frame.stamp, frame.color);
+    if (tools_.dma_bufs) tools_.dma_bufs->textures.forget_unused();
+    return drawn;
   }
 
   std::unique_ptr<EglContext> context_;  // outlives what is made in it
   std::string renderer_ = reinterpret_cast<const char*>(glGetString(GL_RENDERER));
-  MeshPainter painter_;
-  Readback readback_;
+  GlesTools tools_;
   ImageSize source_size_;
   ImageSize output_size_;
-  std::optional<Planes> planes_;
-  PicturePool pool_;
-  std::int64_t bytes_copied_ = 0;
+  std::optional<GlesInput> input_;
+  std::optional<GlesOutput> output_;
+  std::int64_t bytes_copied_before_ = 0;  ///< with sizes that are gone
 };
+
+bool are_dma_bufs_used(DmaBufUse use) {
+  // A software renderer gains nothing by them, and some end the process when they meet another
+  // device's.
+  return use == DmaBufUse::always ||
+         (use == DmaBufUse::on_gpus &&
+          !is_software_renderer(reinterpret_cast<const char*>(glGetString(GL_RENDERER))));
+}
+
+/// Nothing where this machine or this driver has none: then pictures are copied.
+std::optional<DmaBufs> open_dma_bufs(const EglDisplay& display) {
+  auto heap = DmaBufHeap::open();
+  if (!heap) return std::nullopt;
+  auto textures = DmaBufTextures::create(display);
+  if (!textures) return std::nullopt;
+  return DmaBufs{std::move(*heap), std::move(*textures), GlFence(display)};
+}
+
+Result<GlesTools> make_tools(const EglContext& context, const GlesOptions& options) {
+  const int gles_version = context.major_version();
+  auto painter = MeshPainter::create(texture_channels(gles_version), options.interpolation);
+  if (!painter) return tl::unexpected(painter.error());
+  const auto readback = choose_readback(*painter, gles_version);
+  if (!readback) return tl::unexpected(readback.error());
+  GlesTools tools = {gles_version, *readback, std::move(*painter), std::nullopt, std::nullopt};
+  if (!are_dma_bufs_used(options.dma_bufs)) return tools;
+  tools.dma_bufs = open_dma_bufs(context.display());
+  if (!tools.dma_bufs || texture_channels(gles_version) == kImportedChannels) return tools;
+  auto other = MeshPainter::create(kImportedChannels, options.interpolation);
+  if (!other) return tl::unexpected(other.error());
+  tools.other_painter = std::move(*other);
+  return tools;
+}
 
 }  // namespace
 
@@ -147,16 +171,13 @@ bool is_software_renderer(std::string_view gl_renderer) {
 }
 
 Result<std::unique_ptr<Warper>> make_gles_warper(ImageSize source, ImageSize output,
-                                                 Interpolation interpolation, GlesVersion version) {
-  auto context = EglContext::create(version);
+                                                 const GlesOptions& options) {
+  auto context = EglContext::create(options.version);
   if (!context) return tl::unexpected(context.error());
   glDisable(GL_DITHER);  // on by default, and would add noise to the picture
-  const int gles_version = (*context)->major_version();
-  auto painter = MeshPainter::create(texture_channels(gles_version), interpolation);
-  if (!painter) return tl::unexpected(painter.error());
-  const auto readback = choose_readback(*painter, gles_version);
-  if (!readback) return tl::unexpected(readback.error());
-  auto warper = std::make_unique<GlesWarper>(std::move(*context), std::move(*painter), *readback);
+  auto tools = make_tools(**context, options);
+  if (!tools) return tl::unexpected(tools.error());
+  auto warper = std::make_unique<GlesWarper>(std::move(*context), std::move(*tools));
   if (auto ready = warper->prepare(source, output); !ready) return tl::unexpected(ready.error());
   return warper;
 }

@@ -14,14 +14,15 @@ struct PicturePool::Shelf {
   std::vector<Nv12Buffer> pictures;
 };
 
-PicturePool::PicturePool() : shelf_(std::make_shared<Shelf>()) {}
+PicturePool::PicturePool(Allocate allocate)
+    : allocate_(std::move(allocate)), shelf_(std::make_shared<Shelf>()) {}
 
 Nv12Buffer PicturePool::take(ImageSize size) {
   const std::scoped_lock lock(shelf_->mutex);
   // A change of size happens once in a run; what is left of the old size is of no use.
   std::erase_if(shelf_->pictures,
                 [&](const Nv12Buffer& picture) { return picture.size() != size; });
-  if (shelf_->pictures.empty()) return Nv12Buffer(size);
+  if (shelf_->pictures.empty()) return allocate_(size);
   Nv12Buffer picture = std::move(shelf_->pictures.back());
   shelf_->pictures.pop_back();
   return picture;
@@ -34,6 +35,7 @@ VideoFrame PicturePool::publish(Nv12Buffer picture, FrameStamp stamp, ColorInfo 
   frame.color = std::move(color);
   frame.planes = {{{picture.luma().data, picture.luma().stride_bytes},
                    {picture.chroma().data, picture.chroma().stride_bytes}}};
+  frame.dma_buf = picture.dma_buf();
   auto lent = std::make_unique<Nv12Buffer>(std::move(picture));
   shelf_->gauge.lent();
   frame.storage = std::shared_ptr<const void>(lent.release(), [shelf = shelf_](const void* memory) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "pipeline/sample/video_frame.hpp"
@@ -10,7 +11,10 @@ namespace gimbal {
 /// page faults for every frame. Frames may outlive the pool and may be let go on any thread.
 class PicturePool {
  public:
-  PicturePool();
+  /// Where memory comes from that is not there yet.
+  using Allocate = std::function<Nv12Buffer(ImageSize)>;
+
+  explicit PicturePool(Allocate allocate = plain_memory);
 
   [[nodiscard]] Nv12Buffer take(ImageSize size);
 
@@ -18,7 +22,10 @@ class PicturePool {
   [[nodiscard]] VideoFrame publish(Nv12Buffer picture, FrameStamp stamp, ColorInfo color);
 
  private:
+  [[nodiscard]] static Nv12Buffer plain_memory(ImageSize size) { return Nv12Buffer(size); }
+
   struct Shelf;
+  Allocate allocate_;
   std::shared_ptr<Shelf> shelf_;
 };
 

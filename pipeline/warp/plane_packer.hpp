@@ -6,14 +6,19 @@
 
 namespace gimbal {
 
-/// Brings a plane that was drawn into an RGBA texture, one pixel a texel, into memory: GLES 2
-/// promises to read back nothing but RGBA, so four bytes of a row are put into one texel first.
+/// Brings a plane that was drawn into an RGBA texture, one pixel a texel, to its bytes in a row:
+/// GLES 2 promises to read back nothing but RGBA, and some drivers draw into nothing else, so
+/// several bytes of a row are put into one texel.
 class PlanePacker {
  public:
-  [[nodiscard]] static Result<PlanePacker> create(Plane plane);
+  /// `bytes_per_texel`: 4, or 1 for chroma.
+  [[nodiscard]] static Result<PlanePacker> create(Plane plane, int bytes_per_texel);
 
-  /// `drawn` has `size` texels: luma in r, chroma in r and g. The output's stride is a multiple
-  /// of 4.
+  /// Draws it so. `drawn` has `size` texels: luma in r, chroma in r and g; `target` has
+  /// `packed_size`.
+  void pack(GLuint drawn, ImageSize size, GLuint target, ImageSize packed_size);
+
+  /// Packs and reads, four bytes a texel. The output's stride is a multiple of 4.
   void read(const GlTexture& drawn, ImageSize size, MutablePlane output);
 
  private:

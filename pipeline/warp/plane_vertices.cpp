@@ -50,6 +50,12 @@ ImageSize plane_size(ImageSize picture, Plane plane) {
   return plane == Plane::luma ? picture : chroma_size(picture);
 }
 
+std::int64_t nv12_bytes(ImageSize picture) {
+  const ImageSize chroma = chroma_size(picture);
+  return std::int64_t{picture.width} * picture.height +
+         2 * std::int64_t{chroma.width} * chroma.height;
+}
+
 std::vector<MeshVertex> plane_vertices(const WarpMesh& mesh, Plane plane, ChromaSiting siting) {
   if (plane == Plane::luma) return mesh.vertices;
   std::vector<MeshVertex> vertices = with_outline_drawn_out(mesh);

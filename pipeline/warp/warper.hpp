@@ -31,6 +31,10 @@ class Warper {
   /// For reports: "gles" or "cpu", and what draws (GL_RENDERER).
   [[nodiscard]] virtual std::string name() const = 0;
   [[nodiscard]] virtual std::string renderer() const = 0;
+
+  /// How the last frame got to what draws and back, such as "in dma-buf R8+GR88, out copied"; empty
+  /// where nothing has to.
+  [[nodiscard]] virtual std::string transfers() const { return {}; }
 };
 
 /// The twin of the GLES warper without a GPU: same mesh, with the processor's vector
@@ -46,12 +50,26 @@ enum class GlesVersion : std::uint8_t {
   gles2,  ///< 2 only, as on Lima and VC4
 };
 
+/// Whether pictures that lie in dma-bufs are drawn from where they lie, and drawn pictures lie in
+/// dma-bufs, so that nothing is copied to the GPU and back. Where that does not work, they are
+/// copied.
+enum class DmaBufUse : std::uint8_t {
+  on_gpus,
+  always,  ///< with software renderers, too: for tests
+  never,
+};
+
+struct GlesOptions {
+  Interpolation interpolation = Interpolation::bilinear;
+  GlesVersion version = GlesVersion::best;
+  DmaBufUse dma_bufs = DmaBufUse::on_gpus;
+};
+
 /// Draws with OpenGL ES on a context of its own. Fails where there is no EGL or no usable GLES 2 or
 /// 3, or where `source` or `output` is too large for the renderer. Once the context is lost, every
 /// `warp` fails: make a new warper.
-[[nodiscard]] Result<std::unique_ptr<Warper>> make_gles_warper(
-    ImageSize source, ImageSize output, Interpolation interpolation = Interpolation::bilinear,
-    GlesVersion version = GlesVersion::best);
+[[nodiscard]] Result<std::unique_ptr<Warper>> make_gles_warper(ImageSize source, ImageSize output,
+                                                               const GlesOptions& options = {});
 
 /// Whether a GL_RENDERER draws on the CPU: Mesa's llvmpipe and softpipe, SwiftShader, or something
 /// else on top of one of these. The CPU warper needs a fraction of their time.

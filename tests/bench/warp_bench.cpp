@@ -87,7 +87,7 @@ void warp_cpu_rolled(benchmark::State& state, double roll_deg) {
 }
 
 void warp_gles(benchmark::State& state, GlesVersion version, Interpolation interpolation) {
-  const auto warper = make_gles_warper(size_of(state), size_of(state), interpolation, version);
+  const auto warper = make_gles_warper(size_of(state), size_of(state), {interpolation, version});
   if (!warper) return state.SkipWithError(warper.error().message.c_str());
   run(state, **warper);
 }

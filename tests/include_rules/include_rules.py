@@ -17,7 +17,7 @@ STAGE_STANDS_ON = {
     "smoother": {"estimator"},
     "sink": {"gstreamer"},
     "sync": {"lens", "timing"},
-    "warp": {"lens"},
+    "warp": {"dma_buf", "lens"},
 }
 STAGES_THAT_ALL_MAY_USE = {"sample", "queue"}
 # What a driver stands on, beside `sample`, `queue` and `lens`.
@@ -54,7 +54,8 @@ SYSTEM_HEADER_HOMES = [
     (r"(CLI|spdlog)/.*|httplib\.h", r"daemon"),
     (r"fmt/.*", OUTSIDE_SAMPLE),
     (r"thread|stop_token|future", r"pipeline/(queue|sink|warp)|" + OUTSIDE_PIPELINE),  # others own none
-    (r"linux/.*|sys/ioctl\.h", OUTSIDE_PIPELINE),
+    (r"linux/(dma-buf|dma-heap|udmabuf)\.h", r"pipeline/dma_buf|drivers/libcamera"),
+    (r"linux/.*|sys/ioctl\.h", r"pipeline/dma_buf|" + OUTSIDE_PIPELINE),
     (r"(sys/)?[a-z0-9_]+\.h", OUTSIDE_SAMPLE),  # POSIX
     (r"[a-z0-9_]+", ANYWHERE),  # the standard library
 ]

@@ -148,6 +148,8 @@ TEST_F(ConfigurationTest, HowPicturesAreDrawn) {
   EXPECT_FALSE(plain->stabilization.threads);
   EXPECT_EQ(plain->stabilization.interpolation, Interpolation::bilinear);
   EXPECT_EQ(plain->stabilization.output_lens, OutputLens::rectilinear);
+  EXPECT_EQ(plain->stabilization.dma_bufs, DmaBufUse::on_gpus);
+  EXPECT_EQ(load(begin + "dma_buf = \"never\"\n")->stabilization.dma_bufs, DmaBufUse::never);
   const auto kept =
       load(begin + "threads = 3\ninterpolation = \"bicubic\"\noutput_lens = \"kept\"\n");
   ASSERT_TRUE(kept) << kept.error().message;
@@ -170,7 +172,8 @@ TEST_F(ConfigurationTest, HowPicturesAreDrawn) {
         "path = \"hann\"\nzoom_speed_per_s = 0.1\n", "horizon = \"level\"\n",
         "horizon_range_deg = 181\n", "path = \"hann\"\nhorizon = \"hard\"\n", "threads = 0\n",
         "threads = 65\n", "interpolation = \"nearest\"\n", "output_lens = \"fisheye\"\n",
-        "output_fov_deg = 151\n", "output_lens = \"kept\"\noutput_fov_deg = 90\n"}) {
+        "dma_buf = \"yes\"\n", "output_fov_deg = 151\n",
+        "output_lens = \"kept\"\noutput_fov_deg = 90\n"}) {
     EXPECT_FALSE(load(begin + wrong)) << wrong;
   }
 }

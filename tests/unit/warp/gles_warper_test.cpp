@@ -67,7 +67,7 @@ class GlesAgainstCpu : public testing::TestWithParam<Case> {};
 
 TEST_P(GlesAgainstCpu, AgreesForEveryBorder) {
   const auto [size, version, interpolation] = GetParam();
-  auto gles = make_gles_warper(size, size, interpolation, version);
+  auto gles = make_gles_warper(size, size, {interpolation, version});
   ASSERT_TRUE(gles) << gles.error().message;
   const auto cpu = make_cpu_warper({}, interpolation);
   const VideoFrame picture = make_picture(size, {"bt709", ChromaSiting::left});
@@ -105,7 +105,7 @@ INSTANTIATE_TEST_SUITE_P(Sizes, GlesAgainstCpu,
 class GlesWarper : public testing::TestWithParam<GlesVersion> {
  protected:
   [[nodiscard]] std::unique_ptr<Warper> make(ImageSize source, ImageSize output) const {
-    return make_gles_warper(source, output, Interpolation::bilinear, GetParam()).value();
+    return make_gles_warper(source, output, {Interpolation::bilinear, GetParam()}).value();
   }
 };
 
@@ -187,14 +187,16 @@ TEST_P(GlesWarper, RefusesAnotherThread) {
 }
 
 TEST_P(GlesWarper, SaysThatAFrameIsTooLarge) {
-  const auto wide = make_gles_warper({1 << 20, 16}, {64, 32}, Interpolation::bilinear, GetParam());
+  const auto wide =
+      make_gles_warper({1 << 20, 16}, {64, 32}, {Interpolation::bilinear, GetParam()});
   ASSERT_FALSE(wide);
   EXPECT_EQ(wide.error().kind, Error::Kind::failed);
   EXPECT_THAT(wide.error().message, HasSubstr("the frame of 1048576x16 is too large"));
-  const auto tall = make_gles_warper({64, 32}, {64, 1 << 20}, Interpolation::bilinear, GetParam());
+  const auto tall =
+      make_gles_warper({64, 32}, {64, 1 << 20}, {Interpolation::bilinear, GetParam()});
   ASSERT_FALSE(tall);
   EXPECT_THAT(tall.error().message, HasSubstr("the output of 64x1048576 is too large"));
-  EXPECT_FALSE(make_gles_warper({0, 32}, {64, 32}, Interpolation::bilinear, GetParam()));
+  EXPECT_FALSE(make_gles_warper({0, 32}, {64, 32}, {Interpolation::bilinear, GetParam()}));
 }
 
 TEST_P(GlesWarper, RefusesAMeshMadeForAnotherFrame) {

@@ -1,8 +1,9 @@
-#include "pipeline/warp/readback_probe.hpp"
+#include "pipeline/warp/transfer_probe.hpp"
 
 #include <gtest/gtest.h>
 
 #include "pipeline/warp/egl_context.hpp"
+#include "pipeline/warp/plane_format.hpp"
 
 namespace gimbal {
 namespace {

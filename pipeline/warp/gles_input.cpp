@@ -1,0 +1,78 @@
+#include "pipeline/warp/gles_input.hpp"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+namespace gimbal {
+namespace {
+
+bool is_same_memory(int a, int b) {
+  struct stat first {};
+  struct stat second {};
+  return a == b || (::fstat(a, &first) == 0 && ::fstat(b, &second) == 0 &&
+                    first.st_ino == second.st_ino && first.st_dev == second.st_dev);
+}
+
+/// As a picture in one memory, for a test picture; nothing where chroma does not follow on luma.
+std::optional<PictureLayout> layout_of(const VideoFrame& frame) {
+  const auto& [luma, chroma] = *frame.dma_buf;
+  PictureLayout layout = {frame.size, frame.planes[0].stride_bytes, frame.planes[1].stride_bytes};
+  const std::ptrdiff_t luma_bytes = layout.luma_stride_bytes * frame.size.height;
+  layout.chroma_offset_bytes = is_same_memory(luma.fd, chroma.fd)
+                                   ? chroma.offset_bytes - luma.offset_bytes
+                                   : padded_layout(frame.size).chroma_offset_bytes + luma_bytes;
+  if (layout.luma_stride_bytes < frame.size.width) return std::nullopt;
+  if (layout.chroma_offset_bytes < luma_bytes) return std::nullopt;
+  return layout;
+}
+
+}  // namespace
+
+GlesInput::GlesInput(GlesTools& tools, ImageSize picture)
+    : tools_(tools),
+      uploads_{PlaneUpload(Plane::luma, picture, tools.gles_version),
+               PlaneUpload(Plane::chroma, picture, tools.gles_version)} {}
+
+GlesInput::Source GlesInput::bring(const VideoFrame& frame) {
+  view_.reset();
+  if (const auto textures = import(frame)) return {*textures, &tools_.import_painter()};
+  bytes_copied_ += nv12_bytes(frame.size);
+  return {{uploads_[0].upload(frame.planes[0]), uploads_[1].upload(frame.planes[1])},
+          &tools_.painter};
+}
+
+std::optional<std::array<GLuint, 2>> GlesInput::import(const VideoFrame& frame) {
+  if (!tools_.dma_bufs || !frame.dma_buf) return std::nullopt;
+  const auto layout = layout_of(frame);
+  if (!layout) return std::nullopt;
+  KnownLayout& known = know(*layout);
+  if (!known.sources) return std::nullopt;
+  const auto textures = known.sources->textures(
+      tools_.dma_bufs->textures,
+      {*frame.dma_buf, {layout->luma_stride_bytes, layout->chroma_stride_bytes}});
+  if (!textures) {
+    known.sources.reset();  // this camera's memory is not like the one that was tried
+    return std::nullopt;
+  }
+  view_ = known.view;
+  return *textures;
+}
+
+GlesInput::KnownLayout& GlesInput::know(const PictureLayout& layout) {
+  const auto found = std::ranges::find(layouts_, layout, &KnownLayout::layout);
+  if (found != layouts_.end()) return *found;
+  KnownLayout known = {layout, std::nullopt, std::nullopt};
+  known.view = choose_source_view(*tools_.dma_bufs, tools_.import_painter(), layout,
+                                  tools_.gles_version, tools_.readback);
+  if (known.view) {
+    auto sources = DmaBufSources::create(*known.view, layout.size, tools_.gles_version);
+    if (sources) known.sources = std::move(*sources);
+  }
+  layouts_.push_back(std::move(known));
+  return layouts_.back();
+}
+
+}  // namespace gimbal

@@ -1,0 +1,44 @@
+#include "pipeline/warp/plane_upload.hpp"
+
+#include <cstddef>
+#include <cstring>
+
+namespace gimbal {
+
+PlaneUpload::PlaneUpload(Plane plane, ImageSize picture, int gles_version)
+    : gles_version_(gles_version),
+      size_(plane_size(picture, plane)),
+      format_(plane_format(plane, gles_version)),
+      texture_(make_texture(size_, format_, GL_LINEAR)) {}
+
+GLuint PlaneUpload::upload(ConstPlane source) {
+  glBindTexture(GL_TEXTURE_2D, texture_.name());
+  glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
+  put(source);
+  return texture_.name();
+}
+
+void PlaneUpload::put(ConstPlane source) {
+  const auto put_rows = [&](const void* pixels) {
+    glTexSubImage2D(GL_TEXTURE_2D, 0, 0, 0, size_.width, size_.height, format_.format,
+                    GL_UNSIGNED_BYTE, pixels);
+  };
+  const std::ptrdiff_t row_bytes = std::ptrdiff_t{size_.width} * format_.bytes_per_pixel;
+  if (source.stride_bytes == row_bytes) return put_rows(source.data);
+  if (gles_version_ >= 3 && source.stride_bytes > row_bytes &&
+      source.stride_bytes % format_.bytes_per_pixel == 0) {
+    const auto row_pixels = static_cast<GLint>(source.stride_bytes / format_.bytes_per_pixel);
+    glPixelStorei(GL_UNPACK_ROW_LENGTH, row_pixels);
+    put_rows(source.data);
+    glPixelStorei(GL_UNPACK_ROW_LENGTH, 0);
+    return;
+  }
+  rows_.resize(static_cast<std::size_t>(row_bytes * size_.height));
+  for (int y = 0; y < size_.height; ++y) {
+    std::memcpy(rows_.data() + y * row_bytes, source.data + y * source.stride_bytes,
+                static_cast<std::size_t>(row_bytes));
+  }
+  put_rows(rows_.data());
+}
+
+}  // namespace gimbal
