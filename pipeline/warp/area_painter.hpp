@@ -9,20 +9,19 @@
 
 namespace gimbal {
 
-/// Draws spans whose pixels are means of several samples. Keeps its memory from one call to the
+/// Draws areas whose pixels are means of several samples. Keeps its memory from one call to the
 /// next.
 class AreaPainter {
  public:
-  /// As paint_spans, around which the samples of `grid` are laid.
+  /// As paint_area, around which the samples of `grid` are laid.
   void paint(Plane plane, Interpolation interpolation, const SourcePlane& source,
-             const AffineMap& map, SampleGrid grid, std::span<const Span> spans,
-             MutablePlane output);
+             const AffineMap& map, SampleGrid grid, std::span<const Trapezoid, 2> area,
+             const OutputPlane& output);
 
  private:
   void add_samples();
 
-  std::vector<Span> spans_;            ///< moved into the rectangle around them
-  std::vector<std::uint8_t> samples_;  ///< of that rectangle, one for each pixel
+  std::vector<std::uint8_t> samples_;  ///< of the rectangle around an area, one for each pixel
   std::vector<std::uint16_t> sums_;    ///< of all samples of each pixel
 };
 

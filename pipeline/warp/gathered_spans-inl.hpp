@@ -18,6 +18,7 @@
 #include "pipeline/warp/interpolation.hpp"
 #include "pipeline/warp/span_plan.hpp"
 #include "pipeline/warp/span_sampler.hpp"
+#include "pipeline/warp/trapezoid_rows-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace gimbal {
@@ -111,25 +112,25 @@ HWY_INLINE void gather_block(const SourcePlane& source, SourceWalk walk, std::ui
 
 /// Bilinear; the map's steps have to fit (`fits_gathered`).
 template <int kChannels>
-void paint_gathered(const SourcePlane& source, const AffineMap& map, std::span<const Span> spans,
-                    MutablePlane output) {
+void paint_gathered(const SourcePlane& source, const AffineMap& map,
+                    std::span<const Trapezoid> area, const OutputPlane& output) {
   const int pixels = static_cast<int>(hn::Lanes(GatheredLanes()));
   const SafeArea<BilinearKernel> safe(source.size, 4 / kChannels);
   const FixedPoint step = map.per_column;
-  for (const Span& span : spans) {
-    std::uint8_t* out =
-        output.data + span.y * output.stride_bytes + std::ptrdiff_t{span.x_begin} * kChannels;
-    FixedPoint at = map.at(span.x_begin, span.y);
-    for (int left = span.x_end - span.x_begin; left > 0; left -= pixels) {
-      if (left >= pixels && safe.contains(at) && safe.contains(at + (pixels - 1) * step)) {
-        gather_block<kChannels>(source, {at, step}, out);
-      } else {
-        sample_span<BilinearKernel, kChannels>(source, {at, step}, std::min(left, pixels), out);
-      }
-      out += std::ptrdiff_t{pixels} * kChannels;
-      at = at + pixels * step;
-    }
-  }
+  for_each_row(
+      area, output.width, [&](const Span& span) HWY_ATTR __attribute__((always_inline)) {
+        std::uint8_t* out = output.at<kChannels>(span.x_begin, span.y);
+        FixedPoint at = map.at(span.x_begin, span.y);
+        for (int left = span.x_end - span.x_begin; left > 0; left -= pixels) {
+          if (left >= pixels && safe.contains(at) && safe.contains(at + (pixels - 1) * step)) {
+            gather_block<kChannels>(source, {at, step}, out);
+          } else {
+            sample_span<BilinearKernel, kChannels>(source, {at, step}, std::min(left, pixels), out);
+          }
+          out += std::ptrdiff_t{pixels} * kChannels;
+          at = at + pixels * step;
+        }
+      });
 }
 
 #endif  // HWY_TARGET != HWY_SCALAR

@@ -107,7 +107,7 @@ std::int64_t pixels_left_of(const Eigen::Vector2d& from, const Eigen::Vector2d& 
   const EdgeCrossings edge(OutputEdge(from, to), size.height);
   std::int64_t pixels = 0;
   for (int y = edge.rows().begin; y < edge.rows().end; ++y) {
-    pixels += edge.first_pixel_right_of(y, size.width);
+    pixels += first_pixel_right_of(edge.x_at(y), size.width);
   }
   return from.y() < to.y() ? pixels : -pixels;
 }

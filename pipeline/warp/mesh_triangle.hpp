@@ -7,81 +7,10 @@
 #include <utility>
 
 #include "pipeline/sample/video_frame.hpp"
-#include "pipeline/warp/span.hpp"
+#include "pipeline/warp/trapezoid.hpp"
 #include "pipeline/warp/warp_mesh.hpp"
 
 namespace gimbal {
-
-/// Rows begin to end - 1.
-struct RowRange {
-  int begin;
-  int end;
-};
-
-/// The line between two points of the output, from the upper to the lower.
-class OutputEdge {
- public:
-  OutputEdge(const Eigen::Vector2d& a, const Eigen::Vector2d& b) : top_(a), bottom_(b) {
-    if (is_below(top_, bottom_)) std::swap(top_, bottom_);
-    dx_dy_ = (bottom_.x() - top_.x()) / (bottom_.y() - top_.y());
-  }
-
-  /// Where the edge crosses the row `y`, for top().y() <= y < bottom().y().
-  [[nodiscard]] double x_at(double y) const { return top_.x() + (y - top_.y()) * dx_dy_; }
-
-  [[nodiscard]] double dx_dy() const { return dx_dy_; }
-  [[nodiscard]] const Eigen::Vector2d& top() const { return top_; }
-  [[nodiscard]] const Eigen::Vector2d& bottom() const { return bottom_; }
-
-  [[nodiscard]] static bool is_below(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-    return a.y() > b.y() || (a.y() == b.y() && a.x() > b.x());
-  }
-
- private:
-  Eigen::Vector2d top_;
-  Eigen::Vector2d bottom_;
-  double dx_dy_;
-};
-
-/// The first whole coordinate at or after `coordinate`, held between 0 and `end`.
-inline int first_pixel(double coordinate, int end) {
-  const double held = std::clamp(coordinate, 0.0, static_cast<double>(end));
-  const int floor = static_cast<int>(held);
-  return floor + (floor < held ? 1 : 0);
-}
-
-/// Where an edge crosses one row of pixels after the other. Both triangles beside an edge, and all
-/// parts that a picture is drawn in, compute the very same crossings: no pixel between them is lost
-/// or drawn twice.
-class EdgeCrossings {
- public:
-  /// Those with the rows below the edge's top and not below its bottom.
-  EdgeCrossings(const OutputEdge& edge, int picture_height)
-      : rows_{first_pixel(edge.top().y(), picture_height),
-              first_pixel(edge.bottom().y(), picture_height)} {
-    const int steps = rows_.end - rows_.begin - 1;
-    if (steps < 0) return;
-    x_ = to_fixed_px(std::clamp(edge.x_at(rows_.begin), -kFarPx, kFarPx));
-    // Not where the edge is so level that its slope has no meaning.
-    if (steps > 0) step_ = to_fixed_px(std::clamp(edge.dx_dy(), -kFarPx / steps, kFarPx / steps));
-  }
-
-  [[nodiscard]] RowRange rows() const { return rows_; }
-
-  /// The first pixel of row `y` that is not to the left of the edge, held between 0 and `width`.
-  [[nodiscard]] int first_pixel_right_of(int y, int width) const {
-    const FixedPx x = x_ + (y - rows_.begin) * step_;
-    return static_cast<int>(
-        std::clamp<FixedPx>((x + kOnePx - 1) >> kFixedPxFractionBits, 0, width));
-  }
-
- private:
-  static constexpr double kFarPx = 1 << 29;  // twice that still fits into fixed point
-
-  RowRange rows_;
-  FixedPx x_ = 0;
-  FixedPx step_ = 0;
-};
 
 /// A triangle of a mesh as it is drawn. A pixel belongs to it if its centre lies inside, on an
 /// upper edge or on a left edge; edges shared by two triangles give each pixel to exactly one of
@@ -133,26 +62,18 @@ class MeshTriangle {
     return map;
   }
 
+  /// Its pixels in a picture of this height, above and below its middle corner.
+  [[nodiscard]] std::array<Trapezoid, 2> trapezoids(int height) const {
+    const EdgeCrossings whole(OutputEdge(output_[0], output_[2]), height);
+    return {Trapezoid(whole, EdgeCrossings(OutputEdge(output_[0], output_[1]), height)),
+            Trapezoid(whole, EdgeCrossings(OutputEdge(output_[1], output_[2]), height))};
+  }
+
   /// Calls draw(y, x_begin, x_end) for each row of covered pixels inside of `size`.
   template <typename DrawSpan>
   void for_each_span(ImageSize size, DrawSpan&& draw) const {
-    for_each_span(size, {0, size.height}, draw);
-  }
-
-  /// The same for those of these rows only.
-  template <typename DrawSpan>
-  void for_each_span(ImageSize size, RowRange rows, DrawSpan&& draw) const {
-    const EdgeCrossings whole(OutputEdge(output_[0], output_[2]), size.height);
-    const auto draw_rows = [&](const EdgeCrossings& other) {
-      const int end = std::min(other.rows().end, rows.end);
-      for (int y = std::max(other.rows().begin, rows.begin); y < end; ++y) {
-        const int a = whole.first_pixel_right_of(y, size.width);
-        const int b = other.first_pixel_right_of(y, size.width);
-        if (a != b) draw(y, std::min(a, b), std::max(a, b));
-      }
-    };
-    draw_rows(EdgeCrossings(OutputEdge(output_[0], output_[1]), size.height));
-    draw_rows(EdgeCrossings(OutputEdge(output_[1], output_[2]), size.height));
+    gimbal::for_each_span(trapezoids(size.height), size.width,
+                          [&](const Span& span) { draw(span.y, span.x_begin, span.x_end); });
   }
 
  private:

@@ -30,34 +30,37 @@ class PlaneDrawing {
   void draw(int band);
 
  private:
+  /// A triangle.
   struct Piece {
-    MeshTriangle triangle;
+    std::array<Trapezoid, 2> area;
     AffineMap map;
     SampleGrid grid;
+
+    [[nodiscard]] RowRange rows() const { return around(area[0].rows(), area[1].rows()); }
   };
 
   /// What a thread needs while it draws a band.
   struct Band {
     RowRange rows;
-    std::vector<Span> spans;
-    std::vector<std::size_t> ends;  ///< of each piece's spans
+    std::vector<std::size_t> pieces;  ///< that have some of these rows
     AreaPainter area_painter;
   };
 
   void part_into_bands();
-  void find_spans(Band& band) const;
-  void paint(const Piece& piece, std::span<const Span> spans, Band& band) const;
+  void add_piece(const MeshVertex& a, const MeshVertex& b, const MeshVertex& c);
+  void paint(const Piece& piece, Band& band) const;
   void blacken(const Band& band) const;
   void blacken(Span span) const;
 
   Plane plane_;
   Interpolation interpolation_;
   SourcePlane source_{};
-  MutablePlane output_;
+  OutputPlane output_{};
   ImageSize size_;  ///< of the output plane, in pixels
   std::array<std::uint8_t, 2> black_{};
   std::vector<Piece> pieces_;
-  bool is_folded_ = false;  ///< some triangle is turned over and lies on others
+  bool is_folded_ = false;     ///< some triangle is turned over and lies on others
+  bool leaves_black_ = false;  ///< some pixel may have no triangle
   std::vector<Band> bands_;
 };
 

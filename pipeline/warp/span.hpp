@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 #include "pipeline/sample/video_frame.hpp"
@@ -20,6 +21,18 @@ struct SourcePlane {
   ConstPlane memory;
   ImageSize size;  ///< pixels; a pixel of the chroma plane is a pair of bytes
   Border border;
+};
+
+/// What is drawn into.
+struct OutputPlane {
+  MutablePlane memory;
+  int width;  ///< pixels
+
+  /// Where a pixel of kChannels bytes lies in memory.
+  template <int kChannels>
+  [[nodiscard]] std::uint8_t* at(int x, int y) const {
+    return memory.data + y * memory.stride_bytes + std::ptrdiff_t{x} * kChannels;
+  }
 };
 
 /// A coordinate in pixels: 32 bits whole, 32 bits of fraction.
