@@ -32,8 +32,8 @@ namespace {
 namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3_DL
-constexpr int kWidest = 32;  // twice that gains nothing: only the tables' size limits the rest
-constexpr int kWidestTable = 32;
+constexpr int kWidest = 64;
+constexpr int kWidestTable = 64;
 #elif HWY_HAVE_SCALABLE
 constexpr int kWidest = 16;
 constexpr int kWidestTable = 16;
@@ -80,6 +80,11 @@ HWY_INLINE hn::Vec<typename B::Signed> weighed_sums(B, hn::Vec<typename B::Bytes
     return hn::Vec<decltype(d)>{_mm256_maddubs_epi16(weights.raw, levels.raw)};
   }
 #endif
+#if HWY_TARGET <= HWY_AVX3
+  if constexpr (B::kShape.bytes == 64) {
+    return hn::Vec<decltype(d)>{_mm512_maddubs_epi16(weights.raw, levels.raw)};
+  }
+#endif
 #else
   const typename B::Unsigned du;
   const auto weights_16 = hn::BitCast(du, weights);
@@ -109,6 +114,9 @@ template <class B>
 HWY_INLINE hn::Vec<typename B::Bytes> look_up(B, hn::Vec<typename B::Bytes> tables,
                                               hn::Vec<typename B::Bytes> places) {
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3_DL
+  if constexpr (B::kShape.table_bytes == 64) {
+    return hn::Vec<typename B::Bytes>{_mm512_permutexvar_epi8(places.raw, tables.raw)};
+  }
   if constexpr (B::kShape.table_bytes == 32) {
     return hn::Vec<typename B::Bytes>{_mm256_permutexvar_epi8(places.raw, tables.raw)};
   }
