@@ -16,6 +16,7 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -97,10 +98,22 @@ HWY_INLINE hn::Vec<typename B::Signed> weighed_sums(B, hn::Vec<typename B::Bytes
 #endif
 }
 
+/// Bytes from the first sample.
+using TableStarts = std::array<std::ptrdiff_t, BlockPlan::kMostTables>;
+
+template <class Kernel, class B>
+HWY_INLINE TableStarts table_starts_of(Kernel, B, const BlockPlan& plan) {
+  const auto start_of = [](int px) HWY_ATTR {
+    return std::ptrdiff_t{px - Kernel::kTapsBefore} * B::kChannels;
+  };
+  const auto [first, second] = plan.table_starts_px;
+  return {start_of(first), B::kTables > 1 ? start_of(second) : 0};
+}
+
 /// The tables of a block, from one row.
 template <class B>
 HWY_INLINE hn::Vec<typename B::Bytes> load_tables(B, const std::uint8_t* row,
-                                                  const std::ptrdiff_t* starts) {
+                                                  const std::array<std::ptrdiff_t, 2>& starts) {
   const typename B::Bytes d;
   if constexpr (B::kTables == 1) {
     return hn::LoadU(d, row + starts[0]);
@@ -122,6 +135,47 @@ HWY_INLINE hn::Vec<typename B::Bytes> look_up(B, hn::Vec<typename B::Bytes> tabl
   }
 #endif
   return hn::TableLookupBytes(tables, places);
+}
+
+/// A coordinate of each lane's sample: `first` and a step for each pixel, with kBits of fraction.
+/// `first` is given for each table, as if the block's first pixel were in it, and coordinates have
+/// to lie between 0 and 64 pixels.
+template <int kBits, class B>
+HWY_INLINE hn::Vec<typename B::Unsigned> lane_coordinates(
+    B, const std::array<FixedPx, BlockPlan::kMostTables>& first, FixedPx step) {
+  const hn::Repartition<std::uint32_t, typename B::Bytes> d;  // two lanes in each of these
+  constexpr int kFinerBits = 24;
+  const auto to_finer = [](FixedPx px) HWY_ATTR {
+    return static_cast<std::uint32_t>(px >> (kFixedPxFractionBits - kFinerBits));
+  };
+  constexpr std::uint32_t kHalf = 1U << (kFinerBits - kBits - 1);
+  auto firsts = hn::Set(d, to_finer(first[0]) + kHalf);
+  if constexpr (B::kTables > 1) {
+    const auto in_first_table = hn::FirstN(d, hn::Lanes(d) / 2);
+    firsts = hn::IfThenElse(in_first_table, firsts, hn::Set(d, to_finer(first[1]) + kHalf));
+  }
+  const auto steps = hn::Set(d, to_finer(step));
+  const auto pixels = hn::ShiftLeft < B::kChannels == 1 ? 1 : 0 > (hn::Iota(d, 0));
+  const auto even = hn::Add(firsts, hn::Mul(pixels, steps));
+  const auto odd = B::kChannels == 1 ? hn::Add(even, steps) : even;
+  const auto rounded = [](auto finer)
+                           HWY_ATTR { return hn::ShiftRight<kFinerBits - kBits>(finer); };
+  return hn::BitCast(typename B::Unsigned(), hn::Or(hn::And(rounded(even), hn::Set(d, 0xFFFF)),
+                                                    hn::ShiftLeft<16>(rounded(odd))));
+}
+
+/// See BlockPlan. Columns count from the table's start to the kernel's first tap.
+template <class B>
+HWY_INLINE hn::Vec<typename B::Unsigned> lane_columns_of(B blocks, const BlockPlan& plan) {
+  const auto [first, second] = plan.table_starts_px;
+  return lane_coordinates<B::kColumnBits>(blocks, {-first * kOnePx, -second * kOnePx}, plan.step.x);
+}
+
+/// Rows count from the uppermost sample's.
+template <class B>
+HWY_INLINE hn::Vec<typename B::Unsigned> lane_rows_of(B blocks, const BlockPlan& plan) {
+  return lane_coordinates<kRowFractionBits>(blocks, {-plan.row_shift, -plan.row_shift},
+                                            plan.step.y);
 }
 
 /// A constant that stays in its register: GCC makes those that it knows anew for each block.
@@ -161,8 +215,8 @@ HWY_INLINE void with_sampler(BilinearKernel kernel, B blocks, const BlockPlan& p
   // Weights are bytes, so their sum is 255 at most; twice 127 makes the last division cheap.
   constexpr int kWeightOne = 254;
 
-  const auto lane_columns = hn::Load(du, plan.columns.data());
-  const auto lane_rows = hn::Load(du, plan.rows.data());
+  const auto lane_columns = lane_columns_of(blocks, plan);
+  const auto lane_rows = lane_rows_of(blocks, plan);
   const auto lane_places = first_places(blocks, 0, 1);
   const auto place_step = held(du, B::kChannels * 0x101);
   const auto column_fraction = held(du, (1 << B::kColumnBits) - 1);
@@ -175,7 +229,7 @@ HWY_INLINE void with_sampler(BilinearKernel kernel, B blocks, const BlockPlan& p
   const auto level_scale = held(di, 129);  // 129 / 2^15 is 1 / 254 to within 1 / 16000
 
   const std::ptrdiff_t stride = source.memory.stride_bytes;
-  const std::ptrdiff_t table_starts[] = {plan.table_starts[0], plan.table_starts[1]};
+  const auto table_starts = table_starts_of(kernel, blocks, plan);
   const FixedPx row_shift = plan.row_shift;
 
   paint([&](FixedPoint at) HWY_ATTR __attribute__((always_inline)) {
@@ -264,8 +318,8 @@ HWY_INLINE void with_sampler(CatmullRomKernel kernel, B blocks, const BlockPlan&
   constexpr int kInnerOne = 226;
   constexpr int kOuterOne = 8 * kInnerOne;
 
-  const auto lane_columns = hn::Load(du, plan.columns.data());
-  const auto lane_rows = hn::Load(du, plan.rows.data());
+  const auto lane_columns = lane_columns_of(blocks, plan);
+  const auto lane_rows = lane_rows_of(blocks, plan);
   const auto lane_places = first_places(blocks, 1, 2);
   const auto place_step = held(du, B::kChannels * 0x101);
   const auto inner_to_outer = held(du, B::kChannels * (0x100 - 1));
@@ -277,7 +331,7 @@ HWY_INLINE void with_sampler(CatmullRomKernel kernel, B blocks, const BlockPlan&
   const auto sign_out = held(typename B::Output(), 0x80);
   const auto level_scale = held(di, 290);  // 290 / 2^15 is 2 / 226 to within 1 / 16000
   const std::ptrdiff_t stride = source.memory.stride_bytes;
-  const std::ptrdiff_t table_starts[] = {plan.table_starts[0], plan.table_starts[1]};
+  const auto table_starts = table_starts_of(kernel, blocks, plan);
   const FixedPx row_shift = plan.row_shift;
 
   paint([&](FixedPoint at) HWY_ATTR __attribute__((always_inline)) {

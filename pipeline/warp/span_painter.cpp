@@ -142,7 +142,7 @@ void paint_from(const SourcePlane& source, const AffineMap& map, std::span<const
   } else {
     constexpr Kernel kernel;
     constexpr Blocks<kVectorBytes, kChannels> blocks;
-    BlockPlan plan;
+    BlockPlan plan{};
     if (!plan_block<Kernel, kChannels>(plan, blocks.kShape, map.per_column)) {
       return paint_from<Kernel, kVectorBytes / 2, kChannels>(source, map, area, output);
     }

@@ -25,18 +25,14 @@ constexpr int column_fraction_bits(int table_bytes) {
 constexpr int kRowFractionBits = 15;
 
 /// Where the samples of a block of neighbouring output pixels lie, relative to that of its first
-/// pixel. The same for all blocks of a map.
+/// pixel: each is a step from the one before. The same for all blocks of a map.
 struct BlockPlan {
   static constexpr int kMostBytes = 64;  ///< of a vector
   static constexpr int kMostTables = 2;  ///< of a vector, each for its share of the output
 
-  /// Added to the fraction of the first sample's column; whole parts count from the table's start
-  /// to the kernel's first tap.
-  alignas(kMostBytes) std::array<std::uint16_t, kMostBytes / 2> columns;
-  /// Added to the fraction of the uppermost sample's row.
-  alignas(kMostBytes) std::array<std::uint16_t, kMostBytes / 2> rows;
-  /// Where the tables start in the row: bytes from the first sample.
-  std::array<std::ptrdiff_t, kMostTables> table_starts;
+  FixedPoint step;
+  /// Where the tables start in the row, a kernel's taps before its point aside.
+  std::array<int, kMostTables> table_starts_px;
   FixedPx row_shift;  ///< from the first sample to the uppermost of the block, taps aside
 };
 
