@@ -34,7 +34,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3_DL
 constexpr int kWidest = 64;
-constexpr int kWidestTable = 64;
+constexpr int kWidestTable = 32;  // of twice that, coordinates would have a bit less
 #elif HWY_HAVE_SCALABLE
 constexpr int kWidest = 16;
 constexpr int kWidestTable = 16;
@@ -50,8 +50,10 @@ constexpr int kRowsAhead = 8;
 template <int kVectorBytes, int kPixelBytes>
 struct Blocks {
   static constexpr int kChannels = kPixelBytes;
-  static constexpr VectorShape kShape{kVectorBytes, std::min(kVectorBytes, kWidestTable)};
-  static constexpr int kTables = kShape.bytes / kShape.table_bytes;
+  // Where a table is as large as half of a vector, that is enough for one that enlarges a little.
+  static constexpr int kTableBytes = std::min(kVectorBytes, kWidestTable);
+  static constexpr int kTables = kTableBytes == 32 ? 1 : kVectorBytes / kTableBytes;
+  static constexpr VectorShape kShape{kVectorBytes, kTableBytes, kTables};
   static constexpr int kPixels = kVectorBytes / 2 / kChannels;
   static constexpr int kColumnBits = column_fraction_bits(kShape.table_bytes);
   using Bytes = hn::FixedTag<std::uint8_t, static_cast<std::size_t>(kVectorBytes)>;
@@ -115,10 +117,12 @@ template <class B>
 HWY_INLINE hn::Vec<typename B::Bytes> load_tables(B, const std::uint8_t* row,
                                                   const std::array<std::ptrdiff_t, 2>& starts) {
   const typename B::Bytes d;
-  if constexpr (B::kTables == 1) {
+  const hn::Half<decltype(d)> half;
+  if constexpr (B::kTables == 1 && B::kShape.table_bytes == B::kShape.bytes) {
     return hn::LoadU(d, row + starts[0]);
+  } else if constexpr (B::kTables == 1) {
+    return hn::ZeroExtendVector(d, hn::LoadU(half, row + starts[0]));
   } else {
-    const hn::Half<decltype(d)> half;
     return hn::Combine(d, hn::LoadU(half, row + starts[1]), hn::LoadU(half, row + starts[0]));
   }
 }
@@ -127,10 +131,10 @@ template <class B>
 HWY_INLINE hn::Vec<typename B::Bytes> look_up(B, hn::Vec<typename B::Bytes> tables,
                                               hn::Vec<typename B::Bytes> places) {
 #if HWY_ARCH_X86 && HWY_TARGET <= HWY_AVX3_DL
-  if constexpr (B::kShape.table_bytes == 64) {
+  if constexpr (B::kShape.bytes == 64) {
     return hn::Vec<typename B::Bytes>{_mm512_permutexvar_epi8(places.raw, tables.raw)};
   }
-  if constexpr (B::kShape.table_bytes == 32) {
+  if constexpr (B::kShape.bytes == 32) {
     return hn::Vec<typename B::Bytes>{_mm256_permutexvar_epi8(places.raw, tables.raw)};
   }
 #endif

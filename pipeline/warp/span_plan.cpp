@@ -16,14 +16,14 @@ constexpr FixedPx floor_px(FixedPx px) {
 template <class Kernel, int kChannels>
 bool plan_block(BlockPlan& plan, VectorShape shape, FixedPoint step) {
   const int pixels = shape.bytes / 2 / kChannels;
-  const int table_outputs = shape.table_bytes / 2 / kChannels;
+  const int table_outputs = pixels / shape.tables;
   if ((pixels - 1) * std::max(step.y, -step.y) > kOnePx) return false;
   // The first sample's own fraction is added, and the table has all taps of each sample.
   const FixedPx reach = (shape.table_bytes / kChannels - Kernel::kTaps) * kOnePx;
   if ((table_outputs - 1) * std::max(step.x, -step.x) > reach) return false;
   plan.step = step;
   plan.row_shift = std::min<FixedPx>(0, (pixels - 1) * step.y);
-  for (int table = 0; table < shape.bytes / shape.table_bytes; ++table) {
+  for (int table = 0; table < shape.tables; ++table) {
     const FixedPx first_x = table * table_outputs * step.x;
     const FixedPx last_x = first_x + (table_outputs - 1) * step.x;
     const FixedPx start = floor_px(std::min(first_x, last_x));

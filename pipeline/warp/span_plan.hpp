@@ -14,6 +14,7 @@ namespace gimbal {
 struct VectorShape {
   int bytes;
   int table_bytes;
+  int tables;  ///< each for its share of the output
 };
 
 /// The fraction of a sample's column in its table, whose whole part fills the other bits of a lane.
@@ -28,7 +29,7 @@ constexpr int kRowFractionBits = 15;
 /// pixel: each is a step from the one before. The same for all blocks of a map.
 struct BlockPlan {
   static constexpr int kMostBytes = 64;  ///< of a vector
-  static constexpr int kMostTables = 2;  ///< of a vector, each for its share of the output
+  static constexpr int kMostTables = 2;  ///< of a vector
 
   FixedPoint step;
   /// Where the tables start in the row, a kernel's taps before its point aside.
