@@ -15,6 +15,14 @@ std::size_t position(int row, int columns, int column) {
   return static_cast<std::size_t>(std::ptrdiff_t{row} * columns + column);
 }
 
+bool in_frame(const WarpMesh& mesh, const MeshVertex& vertex) {
+  const auto inside = [](float at, int length) {
+    return at >= -0.5F && at <= static_cast<float>(length) - 0.5F;
+  };
+  return inside(vertex.source_px.x(), mesh.source_size.width) &&
+         inside(vertex.source_px.y(), mesh.source_size.height);
+}
+
 /// The cells of the grid that show the frame itself: inside of it and seen by the virtual camera.
 class FrameCells {
  public:
@@ -50,18 +58,10 @@ class FrameCells {
     return position(row, columns_, column);
   }
 
-  [[nodiscard]] bool in_frame(const MeshVertex& vertex) const {
-    const auto inside = [](float at, int length) {
-      return at >= -0.5F && at <= static_cast<float>(length) - 0.5F;
-    };
-    return inside(vertex.source_px.x(), mesh_.source_size.width) &&
-           inside(vertex.source_px.y(), mesh_.source_size.height);
-  }
-
   [[nodiscard]] bool shows_frame(int column, int row) const {
     for (const int r : {row, row + 1}) {
       for (const int c : {column, column + 1}) {
-        if (!in_frame(vertex(c, r)) || !vertex(c, r).output_px.allFinite()) return false;
+        if (!in_frame(mesh_, vertex(c, r)) || !vertex(c, r).output_px.allFinite()) return false;
       }
     }
     return true;
@@ -82,21 +82,25 @@ void for_each_shown_cell(const FrameCells& cells, Visit&& visit) {
   }
 }
 
-double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-  return a.x() * b.y() - a.y() * b.x();
+/// Those that show the frame itself, in the order in which they are drawn.
+template <typename Visit>
+void for_each_shown_triangle(const WarpMesh& mesh, Visit&& visit) {
+  for (std::size_t i = 0; i + 2 < mesh.triangles.size(); i += 3) {
+    const MeshVertex& a = mesh.vertices[mesh.triangles[i]];
+    const MeshVertex& b = mesh.vertices[mesh.triangles[i + 1]];
+    const MeshVertex& c = mesh.vertices[mesh.triangles[i + 2]];
+    if (in_frame(mesh, a) && in_frame(mesh, b) && in_frame(mesh, c)) visit(a, b, c);
+  }
 }
 
 /// Whether some triangle shows its piece of the frame turned over, so that others overlap it. Only
 /// a motion faster than the readout does that.
-bool is_folded(const FrameCells& cells) {
+bool is_folded(const WarpMesh& mesh) {
   bool folded = false;
-  for_each_shown_cell(cells, [&](int column, int row) {
-    const Eigen::Vector2d top_right = cells.output(column + 1, row);
-    const Eigen::Vector2d bottom_left = cells.output(column, row + 1);
-    const Eigen::Vector2d diagonal = bottom_left - top_right;
-    const double upper = cross(diagonal, cells.output(column, row) - top_right);
-    const double lower = cross(cells.output(column + 1, row + 1) - top_right, diagonal);
-    folded = folded || upper <= 0 || lower <= 0;
+  for_each_shown_triangle(mesh, [&](const MeshVertex& a, const MeshVertex& b, const MeshVertex& c) {
+    const Eigen::Vector2d ab = (b.output_px - a.output_px).cast<double>();
+    const Eigen::Vector2d ac = (c.output_px - a.output_px).cast<double>();
+    folded = folded || ab.x() * ac.y() - ab.y() * ac.x() <= 0;
   });
   return folded;
 }
@@ -145,19 +149,16 @@ bool is_outside_box(const Eigen::Vector2f& point, const Eigen::Vector2f& a,
 }
 
 /// Slower, but right when triangles overlap.
-std::int64_t count_by_marking(const FrameCells& cells, ImageSize size) {
+std::int64_t count_by_marking(const WarpMesh& mesh) {
+  const ImageSize size = mesh.output_size;
   std::vector<std::uint8_t> covered(static_cast<std::size_t>(size.width) *
                                     static_cast<std::size_t>(size.height));
   const auto mark = [&](int y, int x_begin, int x_end) {
     const auto row = covered.begin() + static_cast<std::ptrdiff_t>(y) * size.width;
     std::fill(row + x_begin, row + x_end, std::uint8_t{1});
   };
-  for_each_shown_cell(cells, [&](int column, int row) {
-    const MeshVertex& top_right = cells.vertex(column + 1, row);
-    const MeshVertex& bottom_left = cells.vertex(column, row + 1);
-    MeshTriangle(cells.vertex(column, row), top_right, bottom_left).for_each_span(size, mark);
-    MeshTriangle(cells.vertex(column + 1, row + 1), top_right, bottom_left)
-        .for_each_span(size, mark);
+  for_each_shown_triangle(mesh, [&](const MeshVertex& a, const MeshVertex& b, const MeshVertex& c) {
+    MeshTriangle(a, b, c).for_each_span(size, mark);
   });
   return std::count(covered.begin(), covered.end(), std::uint8_t{1});
 }
@@ -170,9 +171,8 @@ std::vector<OutlineEdge> outline_of(const WarpMesh& mesh) {
 
 std::int64_t count_border_pixels(const WarpMesh& mesh) {
   const ImageSize size = mesh.output_size;
-  const FrameCells cells(mesh);
   const std::int64_t covered =
-      is_folded(cells) ? count_by_marking(cells, size) : count_inside_outline(cells, size);
+      is_folded(mesh) ? count_by_marking(mesh) : count_inside_outline(FrameCells(mesh), size);
   return std::int64_t{size.width} * size.height - covered;
 }
 

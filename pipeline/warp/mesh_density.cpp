@@ -59,19 +59,23 @@ int whole_cells(double cells) {
 }
 
 /// A linear piece of length L errs by at most f'' L² / 8, and second differences are f'' times the
-/// square of the probes' distance. The error of a cell is at most the sum of those along its sides,
-/// a / columns² + b / rows², and of what its diagonal adds for the twist, c / (columns rows).
+/// square of the probes' distance. A cell errs most half-way along its diagonal: by the sum of what
+/// its sides do, a / columns² + b / rows², and of what the twist adds, ± c / (columns rows), of
+/// which the better diagonal is chosen. For vectors x and y the shorter of x + y and x - y is at
+/// most √(x² + y²) long.
 ChosenDensity density_within(const Curvature& curvature, MeshDensity probes, double error_px) {
   const double bound_px = kShareOfBound * error_px;
   const double a = curvature.along_rows * probes.columns * probes.columns / 8;
   const double b = curvature.along_columns * probes.rows * probes.rows / 8;
   const double c = curvature.twist * probes.columns * probes.rows / 4;
   const int columns = whole_cells(std::sqrt(a / (kShareOfColumns * bound_px)));
-  const double left_px = bound_px - a / (columns * columns);
+  const double sides_px = a / (columns * columns);
   const double twist = c / columns;
-  const int rows =
-      whole_cells((twist + std::sqrt(twist * twist + 4 * left_px * b)) / (2 * left_px));
-  const double reached_px = a / (columns * columns) + b / (rows * rows) + twist / rows;
+  // (sides + b u)² + twist² u = bound², solved for u = 1 / rows².
+  const double left = bound_px * bound_px - sides_px * sides_px;
+  const double half = sides_px * b + twist * twist / 2;
+  const int rows = whole_cells(std::sqrt((half + std::sqrt(half * half + b * b * left)) / left));
+  const double reached_px = std::hypot(sides_px + b / (rows * rows), twist / rows);
   return {{columns, rows}, reached_px / kShareOfBound};
 }
 
