@@ -7,7 +7,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <type_traits>
 
 #include "pipeline/warp/span_plan.hpp"
 #include "pipeline/warp/span_sampler.hpp"
@@ -133,10 +132,8 @@ template <class Kernel, int kVectorBytes, int kChannels>
 void paint_from(const SourcePlane& source, const AffineMap& map, std::span<const Trapezoid> area,
                 const OutputPlane& output) {
   if constexpr (kVectorBytes < 16) {
-    if constexpr (std::is_same_v<Kernel, BilinearKernel>) {
-      if (fits_gathered(map.per_column)) {
-        return paint_gathered<kChannels>(source, map, area, output);
-      }
+    if (fits_gathered(map.per_column)) {
+      return paint_gathered<Kernel, kChannels>(source, map, area, output);
     }
     paint_pixels<Kernel, kChannels>(source, map, area, output);
   } else {
