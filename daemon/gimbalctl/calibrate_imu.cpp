@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "daemon/gimbalctl/calibration_profile.hpp"
 #include "daemon/gimbalctl/calibrations.hpp"
 #include "daemon/gimbalctl/svg_plot.hpp"
 #include "daemon/gimbalctl/warnings.hpp"
@@ -25,7 +26,7 @@ constexpr double kDegrees = 180 / std::numbers::pi;
 struct Arguments {
   std::filesystem::path still;
   std::filesystem::path faces;  ///< empty: none
-  std::filesystem::path plot;   ///< empty: none
+  ResultFiles files;
   bool json = false;
 };
 
@@ -136,11 +137,13 @@ Result<Findings> measure(const Arguments& arguments) {
 }
 
 Result<void> run(const Arguments& arguments) {
+  if (auto can_write = check_files(arguments.files); !can_write) return can_write;
   const auto found = measure(arguments);
   if (!found) return tl::unexpected(found.error());
   fmt::print("{}", arguments.json ? to_json(*found) : describe(*found));
-  if (!arguments.plot.empty() && found->gyro.reason.empty()) {
-    if (auto written = write_svg(allan_plot(found->gyro), arguments.plot); !written) return written;
+  if (!arguments.files.plot.empty() && found->gyro.reason.empty()) {
+    const auto written = write_svg(allan_plot(found->gyro), arguments.files.plot);
+    if (!written) return written;
   }
   if (found->reason().empty()) return {};
   return bad_input("cannot tell: " + found->reason());
@@ -158,7 +161,8 @@ void add_calibrate_imu(CLI::App& calibrate, CommandOutcome& outcome) {
       ->required();
   command->add_option("--faces", arguments->faces,
                       "SESSION in which it was laid on each of its six faces for two seconds");
-  command->add_option("--plot", arguments->plot, "FILE.svg: the gyroscope's Allan deviation");
+  add_plot_option(*command, arguments->files, "FILE.svg: the gyroscope's Allan deviation");
+  add_overwrite_flag(*command, arguments->files);
   command->add_flag("--json", arguments->json, "For programs");
   command->callback([arguments, &outcome] { outcome = run(*arguments); });
 }

@@ -35,8 +35,7 @@ struct Arguments {
   double marker_mm = 0;
   std::string dictionary = "DICT_4X4_50";
   std::string model = "brown";
-  std::filesystem::path plot;  ///< empty: none
-  ProfileFile profile;
+  ResultFiles files;
   bool json = false;
   bool quiet = false;
 
@@ -116,7 +115,7 @@ Result<void> write_profile(const Arguments& arguments, const Seen& seen, const I
   fitted.size = seen.search.size();
   fitted.lens = found.fit->lens;
   return write_calibration_profile(seen.session ? own_toml(*seen.session) : "", fitted,
-                                   comments(arguments, seen, found), arguments.profile);
+                                   comments(arguments, seen, found), arguments.files);
 }
 
 /// Programs read the reason from standard output also where nothing could be opened.
@@ -130,7 +129,7 @@ tl::unexpected<Error> refused(const Arguments& arguments, const Error& error) {
 }
 
 Result<void> run(const Arguments& arguments) {
-  if (auto can_write = check_profile(arguments.profile); !can_write) {
+  if (auto can_write = check_files(arguments.files); !can_write) {
     return refused(arguments, can_write.error());
   }
   const auto seen = look(arguments);
@@ -145,8 +144,8 @@ Result<void> run(const Arguments& arguments) {
         search.looked(), arguments.board);
   }
   fmt::print("{}", arguments.json ? to_json(found) : describe(found));
-  if (!arguments.plot.empty() && found.fit) {
-    if (auto plotted = write_corner_plot(found, search.size(), arguments.plot); !plotted) {
+  if (!arguments.files.plot.empty() && found.fit) {
+    if (auto plotted = write_corner_plot(found, search.size(), arguments.files.plot); !plotted) {
       return plotted;
     }
   }
@@ -182,11 +181,12 @@ void add_board(CLI::App& command, Arguments& arguments) {
 }
 
 void add_results(CLI::App& command, Arguments& arguments) {
-  command.add_option("--plot", arguments.plot,
-                     "FILE.svg: where in the picture corners were seen, and how far off");
-  add_profile_options(command, arguments.profile,
-                      "FILE.toml: the lens, for a session folder or the daemon's "
-                      "camera.calibration; of a session folder with all that its own says");
+  add_plot_option(command, arguments.files,
+                  "FILE.svg: where in the picture corners were seen, and how far off");
+  add_profile_option(command, arguments.files,
+                     "FILE.toml: the lens, for a session folder or the daemon's "
+                     "camera.calibration; of a session folder with all that its own says");
+  add_overwrite_flag(command, arguments.files);
   command.add_flag("--json", arguments.json, "For programs");
   command.add_flag("--quiet", arguments.quiet, "No progress");
 }

@@ -36,8 +36,7 @@ struct Arguments {
   std::filesystem::path session;  ///< empty: through the camera
   CameraOptions camera;
   std::string line;
-  std::filesystem::path plot;  ///< empty: none
-  ProfileFile profile;
+  ResultFiles files;
   double light_hz = 0;
   bool json = false;
   bool quiet = false;
@@ -162,7 +161,7 @@ Result<void> write_profile(const Arguments& arguments, const Sight& sight,
       fmt::format("# readout_s measured {}, {:g} Hz; 95 % lie within {:.6f}.\n", who,
                   sight.light_hz, 2 * found.readout_sigma_s);
   return write_calibration_profile(sight.session ? own_toml(*sight.session) : "", fitted, comments,
-                                   arguments.profile);
+                                   arguments.files);
 }
 
 Result<Sight> look(const Arguments& arguments) {
@@ -176,7 +175,7 @@ Result<Sight> look(const Arguments& arguments) {
 }
 
 Result<void> run(const Arguments& arguments) {
-  if (auto can_write = check_profile(arguments.profile); !can_write) {
+  if (auto can_write = check_files(arguments.files); !can_write) {
     return can_write;
   }
   const auto sight = look(arguments);
@@ -184,8 +183,8 @@ Result<void> run(const Arguments& arguments) {
   FlashingLight found = measure_flashing_light(sight->profiles, sight->light_hz);
   if (sight->live && found.reason.empty()) found.reason = unsteadiness(*sight->live);
   fmt::print("{}", arguments.json ? to_json(found, *sight) : describe(found, *sight));
-  if (!arguments.plot.empty() && !found.spectrum.empty()) {
-    if (auto written = write_svg(bands_plot(found), arguments.plot); !written) return written;
+  if (!arguments.files.plot.empty() && !found.spectrum.empty()) {
+    if (auto written = write_svg(bands_plot(found), arguments.files.plot); !written) return written;
   }
   if (found.reason.empty()) {
     return write_profile(arguments, *sight, found);
@@ -214,10 +213,11 @@ void add_calibrate_readout(CLI::App& calibrate, CommandOutcome& outcome) {
       "readout", "Readout time and exposure from the bands that a flashing light makes");
   const auto arguments = std::make_shared<Arguments>();
   add_light(*command, *arguments);
-  command->add_option("--plot", arguments->plot, "FILE.svg: how much bands of each number explain");
-  add_profile_options(
-      *command, arguments->profile,
+  add_plot_option(*command, arguments->files, "FILE.svg: how much bands of each number explain");
+  add_profile_option(
+      *command, arguments->files,
       "FILE.toml: the recording's session.toml with the readout time that was found");
+  add_overwrite_flag(*command, arguments->files);
   command->add_flag("--json", arguments->json, "For programs");
   command->add_flag("--quiet", arguments->quiet, "No progress bar");
   command->callback([arguments, &outcome] { outcome = run(*arguments); });

@@ -12,6 +12,22 @@
 #include "drivers/replay/session_toml.hpp"
 
 namespace gimbal {
+namespace {
+
+Result<void> check_file(const std::filesystem::path& path, ExistingFile existing) {
+  if (path.empty()) return {};
+  std::error_code ignored;
+  if (existing == ExistingFile::kept && std::filesystem::exists(path, ignored)) {
+    return bad_input(path.string() + ": is there already; give another name, or --overwrite");
+  }
+  const std::filesystem::path folder = path.parent_path();
+  if (!folder.empty() && !std::filesystem::is_directory(folder, ignored)) {
+    return bad_input(path.string() + ": there is no folder " + folder.string());
+  }
+  return {};
+}
+
+}  // namespace
 
 std::string own_toml(const Session& session) {
   std::ifstream file(session.folder / "session.toml");
@@ -30,36 +46,32 @@ std::string by_whom(std::string_view command, const Session& session) {
                  std::filesystem::weakly_canonical(session.folder, ignored).filename().string());
 }
 
-void add_profile_options(CLI::App& command, ProfileFile& profile, const std::string& help) {
-  CLI::Option* const write = command.add_option("--write", profile.path, help);
-  command
-      .add_flag_callback(
-          "--overwrite", [&profile] { profile.existing = ExistingFile::replaced; },
-          "Replace that file if it is there")
-      ->needs(write);
+void add_plot_option(CLI::App& command, ResultFiles& files, const std::string& help) {
+  command.add_option("--plot", files.plot, help);
 }
 
-Result<void> check_profile(const ProfileFile& profile) {
-  const auto& [path, existing] = profile;
-  if (path.empty()) return {};
-  std::error_code ignored;
-  if (existing == ExistingFile::kept && std::filesystem::exists(path, ignored)) {
-    return bad_input(path.string() + ": is there already; give another name, or --overwrite");
-  }
-  const std::filesystem::path folder = path.parent_path();
-  if (!folder.empty() && !std::filesystem::is_directory(folder, ignored)) {
-    return bad_input(path.string() + ": there is no folder " + folder.string());
-  }
-  return {};
+void add_profile_option(CLI::App& command, ResultFiles& files, const std::string& help) {
+  command.add_option("--write", files.profile, help);
 }
 
+void add_overwrite_flag(CLI::App& command, ResultFiles& files) {
+  command.add_flag_callback(
+      "--overwrite", [&files] { files.existing = ExistingFile::replaced; },
+      "Replace what is there of the files that are to be written");
+}
+
+Result<void> check_files(const ResultFiles& files) {
+  return check_file(files.profile, files.existing).and_then([&] {
+    return check_file(files.plot, files.existing);
+  });
+}
 Result<void> write_calibration_profile(std::string_view known_toml, const FittedCalibration& fitted,
-                                       std::string_view comments, const ProfileFile& profile) {
-  if (profile.path.empty()) return {};
-  if (auto can_write = check_profile(profile); !can_write) return can_write;
+                                       std::string_view comments, const ResultFiles& files) {
+  if (files.profile.empty()) return {};
+  if (auto can_write = check_file(files.profile, files.existing); !can_write) return can_write;
   const auto text = recalibrated_toml(known_toml, fitted);
   if (!text) return tl::unexpected(text.error());
-  return replace_file(profile.path, std::string(comments) + *text);
+  return replace_file(files.profile, std::string(comments) + *text);
 }
 
 }  // namespace gimbal

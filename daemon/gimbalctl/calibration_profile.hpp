@@ -14,14 +14,17 @@ namespace gimbal {
 
 enum class ExistingFile : std::uint8_t { kept, replaced };
 
-/// Where what was found is written.
-struct ProfileFile {
-  std::filesystem::path path;  ///< empty: nowhere
+/// Where what was found is written and drawn; empty: nowhere.
+struct ResultFiles {
+  std::filesystem::path profile;
+  std::filesystem::path plot;
   ExistingFile existing = ExistingFile::kept;
 };
 
-/// --write and --overwrite; `profile` lives as long as the command.
-void add_profile_options(CLI::App& command, ProfileFile& profile, const std::string& help);
+/// --plot, --write and --overwrite; `files` live as long as the command.
+void add_plot_option(CLI::App& command, ResultFiles& files, const std::string& help);
+void add_profile_option(CLI::App& command, ResultFiles& files, const std::string& help);
+void add_overwrite_flag(CLI::App& command, ResultFiles& files);
 
 /// "by gimbalctl COMMAND on DATE to SOURCE", for the head of a profile.
 [[nodiscard]] std::string by_whom(std::string_view command, std::string_view source);
@@ -30,9 +33,9 @@ void add_profile_options(CLI::App& command, ProfileFile& profile, const std::str
 /// The recording's session.toml; one in its place where it has none.
 [[nodiscard]] std::string own_toml(const Session& session);
 
-/// Before what takes long, or cannot be done again: bad_input if the file is there and is to be
-/// kept, or has no folder.
-[[nodiscard]] Result<void> check_profile(const ProfileFile& profile);
+/// Before what takes long, or cannot be done again: bad_input if a file is there and is to be kept,
+/// or has no folder.
+[[nodiscard]] Result<void> check_files(const ResultFiles& files);
 
 /// Writes what was found, if it is wanted, as a session.toml, which a session folder and the
 /// daemon's `camera.calibration` take: what was known before, with the fitted values in it, under
@@ -40,6 +43,6 @@ void add_profile_options(CLI::App& command, ProfileFile& profile, const std::str
 [[nodiscard]] Result<void> write_calibration_profile(std::string_view known_toml,
                                                      const FittedCalibration& fitted,
                                                      std::string_view comments,
-                                                     const ProfileFile& profile);
+                                                     const ResultFiles& files);
 
 }  // namespace gimbal

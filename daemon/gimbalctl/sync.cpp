@@ -20,8 +20,7 @@ namespace {
 
 struct Arguments {
   std::filesystem::path session;
-  std::filesystem::path plot;  ///< empty: none
-  ProfileFile profile;
+  ResultFiles files;
   bool json = false;
   bool quiet = false;
 };
@@ -42,7 +41,7 @@ tl::unexpected<Error> refused(const Arguments& arguments, const Error& error) {
 }
 
 Result<void> run(const Arguments& arguments) {
-  if (auto can_write = check_profile(arguments.profile); !can_write) {
+  if (auto can_write = check_files(arguments.files); !can_write) {
     return refused(arguments, can_write.error());
   }
   const auto session = open_session(arguments.session);
@@ -53,13 +52,14 @@ Result<void> run(const Arguments& arguments) {
   if (!data) return refused(arguments, data.error());
   const Synchronization found = synchronize(*data, session->imu.R_camera_imu);
   print(arguments, found, data->camera);
-  if (!arguments.plot.empty() && !found.curve.empty()) {
-    if (auto written = write_svg(offset_plot(found), arguments.plot); !written) return written;
+  if (!arguments.files.plot.empty() && !found.curve.empty()) {
+    if (auto written = write_svg(offset_plot(found), arguments.files.plot); !written)
+      return written;
   }
   if (!found.reason.empty()) {
     return bad_input(arguments.session.string() + ": cannot tell: " + found.reason);
   }
-  return write_sync_profile(*session, *found.fit, arguments.profile);
+  return write_sync_profile(*session, *found.fit, arguments.files);
 }
 
 }  // namespace
@@ -72,10 +72,11 @@ void add_sync_command(CLI::App& app, CommandOutcome& outcome) {
                    "Session folder with a video: a minute by hand of things that are far away")
       ->required();
   command->add_flag("--json", arguments->json, "For programs");
-  command->add_option("--plot", arguments->plot, "FILE.svg: how well each time offset would do");
-  add_profile_options(*command, arguments->profile,
-                      "FILE.toml: the recording's session.toml with what was found, for a "
-                      "session folder or the daemon's camera.calibration");
+  add_plot_option(*command, arguments->files, "FILE.svg: how well each time offset would do");
+  add_profile_option(*command, arguments->files,
+                     "FILE.toml: the recording's session.toml with what was found, for a "
+                     "session folder or the daemon's camera.calibration");
+  add_overwrite_flag(*command, arguments->files);
   command->add_flag("--quiet", arguments->quiet, "No progress bar");
   command->callback([arguments, &outcome] { outcome = run(*arguments); });
 }

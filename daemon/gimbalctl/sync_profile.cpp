@@ -40,9 +40,9 @@ std::string comments(const Session& session, const JointFit& fit) {
 }  // namespace
 
 Result<void> write_sync_profile(const Session& session, const JointFit& fit,
-                                const ProfileFile& profile) {
+                                const ResultFiles& files) {
   return write_calibration_profile(own_toml(session), fitted_calibration(session, fit.parameters),
-                                   comments(session, fit), profile);
+                                   comments(session, fit), files);
 }
 
 }  // namespace gimbal

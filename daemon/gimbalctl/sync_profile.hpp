@@ -11,6 +11,6 @@ namespace gimbal {
 
 /// What a fit that can be trusted has found, as a calibration profile.
 [[nodiscard]] Result<void> write_sync_profile(const Session& session, const JointFit& fit,
-                                              const ProfileFile& profile);
+                                              const ResultFiles& files);
 
 }  // namespace gimbal

@@ -79,6 +79,25 @@ TEST_F(Calibrate, TellsBiasNoiseAndTheAccelerometersErrors) {
   EXPECT_TRUE(fs::exists(path("allan.svg")));
 }
 
+TEST_F(Calibrate, KeepsAPlotThatIsThereUnlessItMayGo) {
+  simulate("tripod");
+  folder_.write("mine.svg", "mine");
+  const std::vector<std::string> draw = {"calibrate", "imu", path("session"), "--plot",
+                                         path("mine.svg")};
+  const auto refused = gimbalctl(draw);
+  EXPECT_EQ(refused.exit_status, 2);
+  EXPECT_THAT(refused.standard_error, HasSubstr("mine.svg: is there already"));
+  EXPECT_EQ(fs::file_size(path("mine.svg")), 4U);
+  std::vector<std::string> replace = draw;
+  replace.emplace_back("--overwrite");
+  EXPECT_EQ(gimbalctl(replace).exit_status, 0);
+  EXPECT_GT(fs::file_size(path("mine.svg")), 100U);
+  EXPECT_THAT(gimbalctl({"calibrate", "readout", "--hz", "407", path("session"), "--plot",
+                         path("mine.svg")})
+                  .standard_error,
+              HasSubstr("is there already"));
+}
+
 /// Frames of a surface that a square wave of light shines on, each line exposed for 0.4 ms: 64 x
 /// 240 in y4m, luma by BT.709's transfer.
 std::string flashing_video(double light_hz, double readout_s) {

@@ -126,6 +126,10 @@ TEST_F(CalibrateIntrinsics, TellsTheLensFromPicturesAndWritesAProfile) {
       calibrate({path("pictures"), "--board", "checkerboard:7x5", "--write", path("lens.toml")});
   EXPECT_EQ(again.exit_status, 2);
   EXPECT_THAT(again.standard_error, HasSubstr("is there already"));
+  const auto drawn =
+      calibrate({path("pictures"), "--board", "checkerboard:7x5", "--plot", path("corners.svg")});
+  EXPECT_EQ(drawn.exit_status, 2);
+  EXPECT_THAT(drawn.standard_error, HasSubstr("is there already"));
 }
 
 TEST_F(CalibrateIntrinsics, TellsTheLensFromAVideo) {

@@ -98,6 +98,10 @@ TEST_F(SyncCommand, OverwritesOnlyWhenAsked) {
   EXPECT_EQ(kept.exit_status, 2);
   EXPECT_THAT(kept.standard_error, HasSubstr("is there already"));
   EXPECT_EQ(text_of(own), before);
+  const auto not_drawn = gimbalctl({"sync", path("session"), "--plot", own});
+  EXPECT_EQ(not_drawn.exit_status, 2);
+  EXPECT_THAT(not_drawn.standard_error, HasSubstr("is there already"));
+  EXPECT_EQ(text_of(own), before);
   const auto replaced = gimbalctl({"sync", path("session"), "--write", own, "--overwrite"});
   EXPECT_EQ(replaced.exit_status, 0) << replaced.standard_error;
   EXPECT_NE(text_of(own), before);
