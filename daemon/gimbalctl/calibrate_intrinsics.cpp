@@ -63,6 +63,7 @@ Result<CalibrationBoard> board_of(const Arguments& arguments) {
 struct Seen {
   BoardSearch search;
   std::optional<Session> session;
+  std::string known_toml = {};  ///< what a profile says beside what is found
 };
 
 Result<Seen> look(const Arguments& arguments) {
@@ -74,9 +75,12 @@ Result<Seen> look(const Arguments& arguments) {
   auto detector = BoardDetector::create(*board);
   if (!detector) return tl::unexpected(detector.error());
   if (arguments.sources.empty()) {
+    auto known_toml = replaced_toml(arguments.files);
+    if (!known_toml) return tl::unexpected(known_toml.error());
     auto camera = make_camera(arguments.camera);
     if (!camera) return tl::unexpected(camera.error());
-    Seen seen{BoardSearch(std::move(*detector), ViewChoice::Pictures::running), std::nullopt};
+    Seen seen{BoardSearch(std::move(*detector), ViewChoice::Pictures::running), std::nullopt,
+              *std::move(known_toml)};
     const auto searched =
         search_camera(**camera, seen.search, arguments.longest_s, arguments.progress());
     if (!searched) return tl::unexpected(searched.error());
@@ -84,7 +88,11 @@ Result<Seen> look(const Arguments& arguments) {
   }
   auto pictures = find_pictures(arguments.sources);
   if (!pictures) return tl::unexpected(pictures.error());
-  Seen seen{BoardSearch(std::move(*detector), pictures->pictures), std::nullopt};
+  auto known_toml = pictures->session ? Result<std::string>(own_toml(*pictures->session))
+                                      : replaced_toml(arguments.files);
+  if (!known_toml) return tl::unexpected(known_toml.error());
+  Seen seen{BoardSearch(std::move(*detector), pictures->pictures), std::nullopt,
+            *std::move(known_toml)};
   if (auto searched = search_files(*pictures, seen.search, arguments.progress()); !searched) {
     return tl::unexpected(searched.error());
   }
@@ -114,8 +122,8 @@ Result<void> write_profile(const Arguments& arguments, const Seen& seen, const I
   FittedCalibration fitted;
   fitted.size = seen.search.size();
   fitted.lens = found.fit->lens;
-  return write_calibration_profile(seen.session ? own_toml(*seen.session) : "", fitted,
-                                   comments(arguments, seen, found), arguments.files);
+  return write_calibration_profile(seen.known_toml, fitted, comments(arguments, seen, found),
+                                   arguments.files);
 }
 
 /// Programs read the reason from standard output also where nothing could be opened.
@@ -185,7 +193,8 @@ void add_results(CLI::App& command, Arguments& arguments) {
                   "FILE.svg: where in the picture corners were seen, and how far off");
   add_profile_option(command, arguments.files,
                      "FILE.toml: the lens, for a session folder or the daemon's "
-                     "camera.calibration; of a session folder with all that its own says");
+                     "camera.calibration; with all that a session folder's own, or a file that is "
+                     "replaced, says beside");
   add_overwrite_flag(command, arguments.files);
   command.add_flag("--json", arguments.json, "For programs");
   command.add_flag("--quiet", arguments.quiet, "No progress");

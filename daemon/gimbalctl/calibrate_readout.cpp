@@ -55,6 +55,7 @@ struct Sight {
   std::optional<FlashRecording> live;  ///< or the light that we flashed
   std::vector<LineProfile> profiles;
   double light_hz = 0;
+  std::string known_toml = {};  ///< what a profile says beside what is found
 };
 
 Result<std::vector<LineProfile>> profiles_of(const Session& session, ProgressStyle progress) {
@@ -82,14 +83,18 @@ Result<Sight> look_at_recording(const Arguments& arguments) {
   print_warnings(session->warnings);
   auto profiles = profiles_of(*session, arguments.progress());
   if (!profiles) return tl::unexpected(profiles.error());
-  return Sight{std::move(*session), std::nullopt, std::move(*profiles), arguments.light_hz};
+  std::string known_toml = own_toml(*session);
+  return Sight{std::move(*session), std::nullopt, std::move(*profiles), arguments.light_hz,
+               std::move(known_toml)};
 }
 
 Result<Sight> look_through_camera(const Arguments& arguments) {
+  auto known_toml = replaced_toml(arguments.files);
+  if (!known_toml) return tl::unexpected(known_toml.error());
   auto recording =
       record_flashes(arguments.camera, arguments.line, arguments.light_hz, arguments.progress());
   if (!recording) return tl::unexpected(recording.error());
-  Sight sight{std::nullopt, std::move(*recording), {}, 0};
+  Sight sight{std::nullopt, std::move(*recording), {}, 0, *std::move(known_toml)};
   sight.profiles = std::move(sight.live->profiles);
   sight.light_hz = sight.live->light_hz;
   return sight;
@@ -160,8 +165,7 @@ Result<void> write_profile(const Arguments& arguments, const Sight& sight,
   const std::string comments =
       fmt::format("# readout_s measured {}, {:g} Hz; 95 % lie within {:.6f}.\n", who,
                   sight.light_hz, 2 * found.readout_sigma_s);
-  return write_calibration_profile(sight.session ? own_toml(*sight.session) : "", fitted, comments,
-                                   arguments.files);
+  return write_calibration_profile(sight.known_toml, fitted, comments, arguments.files);
 }
 
 Result<Sight> look(const Arguments& arguments) {

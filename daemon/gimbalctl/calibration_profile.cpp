@@ -35,6 +35,17 @@ std::string own_toml(const Session& session) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
+Result<std::string> replaced_toml(const ResultFiles& files) {
+  std::ifstream file(files.profile);
+  if (files.profile.empty() || !file) return "";
+  std::string text{std::istreambuf_iterator<char>(file), {}};
+  if (!recalibrated_toml(text, {})) {
+    return bad_input(files.profile.string() +
+                     ": is no TOML, so that what it says could not be kept; give another name");
+  }
+  return text;
+}
+
 std::string by_whom(std::string_view command, std::string_view source) {
   return fmt::format("by gimbalctl {} on {:%Y-%m-%d} to {}", command,
                      fmt::gmtime(std::time(nullptr)), source);

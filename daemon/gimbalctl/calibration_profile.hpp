@@ -33,6 +33,10 @@ void add_overwrite_flag(CLI::App& command, ResultFiles& files);
 /// The recording's session.toml; one in its place where it has none.
 [[nodiscard]] std::string own_toml(const Session& session);
 
+/// Of a calibration without a recording: the profile that is replaced, or nothing where none is
+/// there. bad_input if it is no TOML, so that it could not be kept.
+[[nodiscard]] Result<std::string> replaced_toml(const ResultFiles& files);
+
 /// Before what takes long, or cannot be done again: bad_input if a file is there and is to be kept,
 /// or has no folder.
 [[nodiscard]] Result<void> check_files(const ResultFiles& files);

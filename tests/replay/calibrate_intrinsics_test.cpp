@@ -132,6 +132,25 @@ TEST_F(CalibrateIntrinsics, TellsTheLensFromPicturesAndWritesAProfile) {
   EXPECT_THAT(drawn.standard_error, HasSubstr("is there already"));
 }
 
+TEST_F(CalibrateIntrinsics, KeepsWhatElseAReplacedProfileSays) {
+  write_pictures(pictures(15));
+  folder_.write("lens.toml", "device = \"mine\"\n[camera]\nreadout_s = 0.017\n");
+  const std::vector<std::string> replace = {path("pictures"), "--board", "checkerboard:7x5",
+                                            "--json",         "--write", path("lens.toml"),
+                                            "--overwrite"};
+  expect_truth(calibrate(replace));
+  const auto profile = read_session_toml(path("lens.toml"));
+  ASSERT_TRUE(profile) << profile.error().message;
+  EXPECT_EQ(profile->session.device, "mine");
+  EXPECT_EQ(profile->session.camera->readout, std::chrono::milliseconds(17));
+  EXPECT_NEAR(profile->session.camera->lens.K(0, 0), 390, 0.003 * 390);
+
+  folder_.write("lens.toml", "no TOML");
+  const auto refused = calibrate(replace);
+  EXPECT_EQ(refused.exit_status, 2);
+  EXPECT_THAT(refused.standard_error, HasSubstr("lens.toml: is no TOML"));
+}
+
 TEST_F(CalibrateIntrinsics, TellsTheLensFromAVideo) {
   write_video("board.y4m", pictures(16));
   const auto run = calibrate({path("board.y4m"), "--board", "checkerboard:7x5", "--json"});
