@@ -50,7 +50,10 @@ class RevivedSource {
     if (is_lost_ && !bring_back()) return SourceEnd{};
     auto item = source_->read();
     if (!item) return lose(item.error());
-    if (!*item) return SourceEnd{};
+    if (!*item) {
+      tell_remarks();
+      return SourceEnd{};
+    }
     note_item();
     note_remarks();
     return **std::move(item);
@@ -130,23 +133,25 @@ class RevivedSource {
 
   /// Asked now and then, since a remark's numbers may grow with every item; told more rarely still.
   void note_remarks() {
-    if constexpr (requires { source_->remarks(); }) {
-      const auto now = std::chrono::steady_clock::now();
-      if (now < next_look_) return;
-      next_look_ = now + kRemarksLook;
-      std::vector<std::string> remarks = source_->remarks();
-      if (now >= next_telling_ && remarks != told_) {
-        for (const std::string& remark : remarks) {
-          if (std::ranges::find(told_, remark) == told_.end()) {
-            log_line(LogLevel::warning, remark, {name_, {}});
-          }
-        }
-        told_ = remarks;
-        next_telling_ = now + kRemarksTold;
-      }
-      const std::lock_guard lock(mutex_);
-      status_.remarks = std::move(remarks);
+    const auto now = std::chrono::steady_clock::now();
+    if (now < next_look_) return;
+    next_look_ = now + kRemarksLook;
+    if (now >= next_telling_ && source_->remarks() != told_) {
+      tell_remarks();
+      next_telling_ = now + kRemarksTold;
     }
+    const std::lock_guard lock(mutex_);
+    status_.remarks = source_->remarks();
+  }
+
+  void tell_remarks() {
+    std::vector<std::string> remarks = source_->remarks();
+    for (const std::string& remark : remarks) {
+      if (std::ranges::find(told_, remark) == told_.end()) {
+        log_line(LogLevel::warning, remark, {name_, {}});
+      }
+    }
+    told_ = std::move(remarks);
   }
 
   std::string name_;

@@ -45,6 +45,10 @@ class CameraSource {
 
   /// Frames that the device took and that did not come out of `read`, since `start`.
   [[nodiscard]] virtual std::uint64_t lost() const { return 0; }
+
+  /// What a person should know of what it delivered since `start`, one line each, such as a
+  /// recording that is cut short. Bounded.
+  [[nodiscard]] virtual std::vector<std::string> remarks() const { return {}; }
 };
 
 }  // namespace gimbal

@@ -84,6 +84,7 @@ Result<std::optional<VideoFrame>> PacedCamera::read() {
 
 Result<std::optional<VideoFrame>> PacedCamera::read_recorded() {
   auto frame = camera_.read();
+  if (frame && !*frame) remarks_ = camera_.warnings();
   if (!frame || *frame || repeat_ == Repeat::once) return frame;
   if (!pace_.wait_until(SensorTime::min())) return frame;  // ended because it was stopped
   if (auto rewound = camera_.rewind(); !rewound) return tl::unexpected(rewound.error());

@@ -6,6 +6,8 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "drivers/camera_source.hpp"
 #include "drivers/clock/monotonic_now.hpp"
@@ -67,6 +69,7 @@ class PacedCamera final : public CameraSource {
   [[nodiscard]] CameraFormat format() const override { return camera_.format(); }
   [[nodiscard]] Result<std::optional<VideoFrame>> read() override;
   void stop() override;
+  [[nodiscard]] std::vector<std::string> remarks() const override { return remarks_; }
 
  private:
   [[nodiscard]] Result<std::optional<VideoFrame>> read_recorded();
@@ -75,6 +78,7 @@ class PacedCamera final : public CameraSource {
   std::shared_ptr<ReplayTimeline> timeline_;
   Repeat repeat_;
   SensorDuration delivery_delay_;
+  std::vector<std::string> remarks_;  ///< of the last pass that came to its end
   std::int64_t pass_ = 0;
   std::int64_t next_index_ = 0;
   Pace pace_;

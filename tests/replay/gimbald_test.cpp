@@ -88,6 +88,20 @@ TEST_F(Gimbald, PlaysARecordingToItsEndAndFinishesTheFile) {
               HasSubstr(std::to_string(video->frame_count) + " frames written"));
 }
 
+// As the frame list has it, which tells of more pictures than there are.
+TEST_F(Gimbald, SaysOnceThatARecordingIsCutShort) {
+  ASSERT_NO_FATAL_FAILURE(simulate_walk("1"));
+  std::ofstream(path("session/frames.csv"), std::ios::app)
+      << "30,2.000000000,0.004\n31,2.033333333,0.004\n";
+  const auto played =
+      run("outputs = [\"" + path("out.y4m") + "\"]\n[replay]\nsession = \"" + path("session") +
+          "\"\nrepeat = false\n[stabilization]\nwarper = \"cpu\"\n");
+  ASSERT_EQ(played.exit_status, 0) << played.standard_error;
+  const auto said = played.standard_error.find("last 2 stamps");
+  ASSERT_NE(said, std::string::npos) << played.standard_error;
+  EXPECT_EQ(played.standard_error.find("last 2 stamps", said + 1), std::string::npos);
+}
+
 TEST_F(Gimbald, SaysWhatIsWrongWithAConfiguration) {
   struct Case {
     std::string text, said;

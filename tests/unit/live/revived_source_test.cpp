@@ -66,6 +66,16 @@ TEST_F(RevivedSourceTest, HandsItemsOnUntilTheEnd) {
   EXPECT_EQ(source_.status().restarts, 0U);
 }
 
+// Such as that a recording was cut short, which nothing tells before its end.
+TEST_F(RevivedSourceTest, TellsAtTheEndWhatItRemarks) {
+  script_.reads = {std::optional(1)};
+  EXPECT_EQ(std::get<int>(source_.read()), 1);
+  script_.remarks = {"cut short"};
+  ::testing::internal::CaptureStderr();
+  EXPECT_TRUE(std::holds_alternative<SourceEnd>(source_.read()));
+  EXPECT_EQ(::testing::internal::GetCapturedStderr(), "gimbald: cut short\n");
+}
+
 TEST_F(RevivedSourceTest, SaysWhatIsWrongAndStartsAgainUntilItWorks) {
   script_.reads = {std::optional(1), failed("unplugged"), std::optional(2)};
   script_.starts.push_back(failed("not there"));
@@ -115,6 +125,7 @@ class SlowSource {
   Result<std::optional<int>> read() { return failed("unplugged"); }
   void stop() { is_stopped_ = true; }
   [[nodiscard]] std::uint64_t lost() const { return 0; }
+  [[nodiscard]] static std::vector<std::string> remarks() { return {}; }
 
  private:
   std::atomic<bool> is_stopped_ = false;
