@@ -65,6 +65,7 @@ class Output::Writer {
   const SensorDuration delay_;
   BoundedQueue<VideoFrame, WhenFull::drop_oldest> frames_;
   std::unique_ptr<FrameSink> sink_;
+  bool was_open_ = false;
   std::chrono::steady_clock::time_point opened_;
   std::chrono::steady_clock::time_point next_try_;
   std::chrono::seconds backoff_;
@@ -115,6 +116,7 @@ Result<void> Output::Writer::open_for(const VideoFrame& frame) {
   auto sink = target_.open({frame.size, fps_, frame.color, LiveTiming{frame.stamp.time, delay_}});
   if (!sink) return tl::unexpected(sink.error());
   sink_ = std::move(*sink);
+  was_open_ = true;
   opened_ = std::chrono::steady_clock::now();
   return {};
 }
@@ -122,7 +124,8 @@ Result<void> Output::Writer::open_for(const VideoFrame& frame) {
 void Output::Writer::fail(const Error& error) {
   sink_.reset();
   state_ = OutputState::failed;
-  is_gone_ = target_.reopening == Reopening::impossible;
+  is_gone_ = target_.reopening == Reopening::impossible ||
+             (target_.reopening == Reopening::until_open && was_open_);
   if (is_gone_) {
     log_line(LogLevel::error, fmt::format("output {}: {}", target_.name, error.message),
              {"output", target_.name});
@@ -137,6 +140,7 @@ void Output::Writer::fail(const Error& error) {
 }
 
 void Output::Writer::close() {
+  is_gone_ = is_gone_ || (target_.reopening == Reopening::until_open && !was_open_ && lost_ > 0);
   if (!sink_) return;
   if (const auto finished = sink_->finish(); !finished) {
     log_line(LogLevel::error, fmt::format("output {}: {}", target_.name, finished.error().message),

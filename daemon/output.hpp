@@ -48,7 +48,8 @@ class Output {
 
   [[nodiscard]] OutputState state() const;
 
-  /// Whether it failed and cannot be opened again: a file, or standard output that nobody reads.
+  /// Whether it failed and cannot be opened again: a file that was open, or that never was until
+  /// the end, or standard output that nobody reads.
   [[nodiscard]] bool is_gone() const;
 
  private:

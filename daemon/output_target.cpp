@@ -23,10 +23,13 @@ OpenedSink open_encoded(const SinkFormat& given, int bitrate_kbps, const TextOf&
   });
 }
 
+Reopening reopening_of(const std::string& text) {
+  if (text == "-") return Reopening::impossible;
+  return text.find(" ! ") != std::string::npos ? Reopening::possible : Reopening::until_open;
+}
+
 OutputTarget target(const TextOutput& output) {
-  const bool is_pipeline = output.text.find(" ! ") != std::string::npos;
-  return {output.text, is_pipeline ? Reopening::possible : Reopening::impossible,
-          [text = output.text](const SinkFormat& format) {
+  return {output.text, reopening_of(output.text), [text = output.text](const SinkFormat& format) {
             return open_sink(text, format, std::nullopt);
           }};
 }

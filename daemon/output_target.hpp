@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -68,9 +69,9 @@ struct DisplayOutput {
 using OutputSettings = std::variant<TextOutput, RawStdoutOutput, SegmentOutput, RtspOutput,
                                     UdpOutput, LoopbackOutput, ShmOutput, DisplayOutput>;
 
-/// Whether an output that has failed may be opened again: a file would lose what it holds, and
-/// standard output is not there any more.
-enum class Reopening { possible, impossible };
+/// Whether an output that has failed may be opened again: a file would lose what it holds, but not
+/// before it was open, and standard output is not there any more.
+enum class Reopening : std::uint8_t { possible, until_open, impossible };
 
 /// Somewhere that pictures can be sent to.
 struct OutputTarget {

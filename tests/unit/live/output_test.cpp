@@ -78,6 +78,39 @@ TEST(Output, ThatCannotBeOpenedDoesNotHoldUpTheEnd) {
   gate->let_go();
 }
 
+/// A file that can be opened from the third time on, and what then becomes of it.
+OutputTarget late_file(std::shared_ptr<int> tries, std::shared_ptr<int> finished) {
+  return {"film.y4m", Reopening::until_open,
+          [=](const SinkFormat&) -> Result<std::unique_ptr<FrameSink>> {
+            if (++*tries < 3) return bad_input("there is no folder yet");
+            return std::make_unique<CountingSink>(finished);
+          }};
+}
+
+TEST(Output, TriesAFileAgainThatCouldNotBeOpened) {
+  const auto tries = std::make_shared<int>(0);
+  const auto finished = std::make_shared<int>(0);
+  Output output(late_file(tries, finished), 25, SensorDuration::zero());
+  for (int i = 0; i < 1000 && output.written() == 0; ++i) {
+    output.offer(VideoFrame());
+    EXPECT_FALSE(output.is_gone());
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  output.finish();
+  EXPECT_EQ(*tries, 3);
+  EXPECT_EQ(*finished, 1);
+  EXPECT_GT(output.written(), 0U);
+  EXPECT_FALSE(output.is_gone());
+}
+
+TEST(Output, ThatNeverCouldBeOpenedHasFailed) {
+  const auto tries = std::make_shared<int>(-1000);
+  Output output(late_file(tries, std::make_shared<int>(0)), 25, SensorDuration::zero());
+  output.offer(VideoFrame());
+  output.finish();
+  EXPECT_TRUE(output.is_gone());
+}
+
 TEST(Output, HasTimeToEndItsFile) {
   const auto finished = std::make_shared<int>(0);
   Output output({"film.mp4", Reopening::impossible,
