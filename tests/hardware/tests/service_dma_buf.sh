@@ -9,9 +9,7 @@ needs vivid recorded_imu
 watchdog_s=300
 start_service <<TOML
 outputs = ["videoconvert ! video/x-raw,format=I420 ! fakesink"]
-$camera_and_imu
-[stabilization]
-warper = "gles"
+${camera_and_imu/warper = \"cpu\"/warper = \"gles\"}
 dma_buf = "always"
 TOML
 wait_until "5 pictures are drawn" have_shown 5
