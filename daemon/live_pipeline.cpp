@@ -331,7 +331,7 @@ void LivePipeline::let_go_of_first() {
 
 void LivePipeline::draw(std::promise<Result<void>>& can_draw) {
   ::pthread_setname_np(::pthread_self(), "draw");  // as `top -H` shows it
-  auto warper = open_warper();
+  auto warper = open_warper(settings_.dma_bufs);
   if (!warper) {
     can_draw.set_value(tl::unexpected(warper.error()));
     return;
@@ -341,7 +341,10 @@ void LivePipeline::draw(std::promise<Result<void>>& can_draw) {
   while (!drawings_.is_at_end()) {
     const auto drawing = drawings_.pop_within(period);
     if (!drawing) {
-      if (is_camera_lost_) draw_no_signal();
+      if (is_camera_lost_) {
+        (*warper)->forget_frames();
+        draw_no_signal();
+      }
       continue;
     }
     const SensorTime begin = monotonic_now();
@@ -350,6 +353,7 @@ void LivePipeline::draw(std::promise<Result<void>>& can_draw) {
       fail(drawn.error());
       return;
     }
+    tell_transfers(**warper);
     const SensorTime end = monotonic_now();
     drawing_time_.add(end - begin);
     note_age(end - drawn->stamp.time);
@@ -359,8 +363,10 @@ void LivePipeline::draw(std::promise<Result<void>>& can_draw) {
   has_ended_ = true;
 }
 
-Result<std::unique_ptr<Warper>> LivePipeline::open_warper() {
-  auto chosen = choose_warper(settings_, calibration_.size);
+Result<std::unique_ptr<Warper>> LivePipeline::open_warper(DmaBufUse dma_bufs) {
+  StabilizationSettings settings = settings_;
+  settings.dma_bufs = dma_bufs;
+  auto chosen = choose_warper(settings, calibration_.size);
   if (!chosen) return tl::unexpected(chosen.error());
   if (!chosen->warning.empty()) log_line(LogLevel::warning, chosen->warning, {"renderer", {}});
   const std::lock_guard lock(mutex_);
@@ -368,15 +374,15 @@ Result<std::unique_ptr<Warper>> LivePipeline::open_warper() {
   return std::move(chosen->warper);
 }
 
-/// A renderer that was reset is opened again; one that fails twice has failed.
+/// A renderer that was reset is opened again, without dma-bufs, which may have been the reason; one
+/// that fails twice has failed.
 Result<VideoFrame> LivePipeline::draw_one(std::unique_ptr<Warper>& warper, const Drawing& drawing) {
   auto drawn = draw_with(*warper, drawing);
-  tell_transfers(*warper);
   if (drawn) return drawn;
   log_line(LogLevel::error, drawn.error().message + "; opening the renderer again",
            {"renderer", {}});
   warper.reset();
-  auto again = open_warper();
+  auto again = open_warper(DmaBufUse::never);
   if (!again) return tl::unexpected(again.error());
   warper = std::move(*again);
   return draw_with(*warper, drawing);

@@ -196,7 +196,7 @@ class LivePipeline {
   void let_go_of_first();
 
   // On the thread of `draw`.
-  [[nodiscard]] Result<std::unique_ptr<Warper>> open_warper();
+  [[nodiscard]] Result<std::unique_ptr<Warper>> open_warper(DmaBufUse dma_bufs);
   [[nodiscard]] Result<VideoFrame> draw_one(std::unique_ptr<Warper>& warper,
                                             const Drawing& drawing);
   void tell_transfers(const Warper& warper);

@@ -8,6 +8,7 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -33,6 +34,14 @@ std::size_t needed_by(V4l2Device& device) {
   v4l2_control control{V4L2_CID_MIN_BUFFERS_FOR_CAPTURE, 0};
   const int error = device.request(VIDIOC_G_CTRL, &control);
   return error == 0 ? static_cast<std::size_t>(std::clamp(control.value, 2, 16)) : 2;
+}
+
+/// Pictures that come by USB are put together by the processor, and the kernel does not bring them
+/// from its caches to memory for whoever has imported them before (vb2-vmalloc).
+bool is_written_by_processor(V4l2Device& device) {
+  v4l2_capability capability{};
+  if (device.request(VIDIOC_QUERYCAP, &capability) != 0) return false;
+  return std::string_view(reinterpret_cast<const char*>(capability.bus_info)).starts_with("usb-");
 }
 
 }  // namespace
@@ -93,6 +102,7 @@ Result<void> PictureStream::allocate(int buffers, const std::string& users) {
   }
   if (error != 0) return failed("gives no buffers: " + text_of(error));
   kept_for_device_ = needed_by(*device_);
+  is_exported_ = !is_written_by_processor(*device_);
   for (std::uint32_t index = 0; index < wanted.count; ++index) {
     if (auto mapped = map_buffer(index); !mapped) return mapped;
   }
@@ -120,6 +130,7 @@ Result<void> PictureStream::map_buffer(std::uint32_t index) {
 }
 
 int PictureStream::export_memory(std::uint32_t index, std::size_t memory) {
+  if (!is_exported_) return -1;
   v4l2_exportbuffer exported{};
   exported.type = type_;
   exported.index = index;

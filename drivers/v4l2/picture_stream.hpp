@@ -23,7 +23,7 @@ struct FilledBuffer {
   struct Memory {
     const std::uint8_t* data = nullptr;
     std::size_t bytes = 0;
-    int dma_buf = -1;  ///< belongs to the stream; -1 if the driver exports none
+    int dma_buf = -1;  ///< belongs to the stream; -1 if there is none for devices to read
     std::ptrdiff_t offset_bytes = 0;
   };
   std::vector<Memory> memories;
@@ -87,6 +87,7 @@ class PictureStream : public std::enable_shared_from_this<PictureStream> {
   std::size_t memory_count_;
   std::vector<std::vector<Memory>> buffers_;
   std::uint32_t stamp_flags_ = 0;
+  bool is_exported_ = false;  ///< buffers are, as dma-bufs
 
   mutable std::mutex mutex_;  ///< for what follows, and for the device but for waiting
   bool is_streaming_ = false;

@@ -11,7 +11,7 @@
 namespace gimbal {
 namespace {
 
-/// Longer than any memory of a pool that is in use rests.
+/// Longer than memory that is in use rests, as a rule; else it is imported once more.
 constexpr std::int64_t kKeptFrames = 64;
 
 EGLint format_of(int bytes_per_texel) {

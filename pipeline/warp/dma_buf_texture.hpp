@@ -67,6 +67,8 @@ class DmaBufTextures {
   /// To be called once a frame.
   void forget_unused();
 
+  void forget_all() { imports_.clear(); }
+
  private:
   struct Functions {
     PFNEGLCREATEIMAGEKHRPROC create_image;

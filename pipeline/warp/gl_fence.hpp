@@ -14,7 +14,8 @@ class GlFence {
  public:
   explicit GlFence(const EglDisplay& display);
 
-  /// Until all that was drawn so far is in memory. Fails when the GPU takes longer than half a minute.
+  /// Until all that was drawn so far is in memory. Fails when the GPU takes longer than half a
+  /// minute.
   [[nodiscard]] Result<void> wait() const;
 
  private:

@@ -69,6 +69,7 @@ GlBuffer make_corners() {
 }
 
 void draw_corners(const GlProgram& program, const GlBuffer& corners) {
+  glClear(GL_COLOR_BUFFER_BIT);  // or a GPU of tiles would load what is there first
   glBindBuffer(GL_ARRAY_BUFFER, corners.name());
   set_attribute(program, "corner", 0, 0);
   glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);

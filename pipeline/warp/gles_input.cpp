@@ -16,6 +16,9 @@ bool is_same_memory(int a, int b) {
                     first.st_ino == second.st_ino && first.st_dev == second.st_dev);
 }
 
+/// Where a memory of its own begins, all GPUs let a plane begin.
+constexpr std::ptrdiff_t kPlaneStep_bytes = 4096;
+
 /// As a picture in one memory, for a test picture; nothing where chroma does not follow on luma.
 std::optional<PictureLayout> layout_of(const VideoFrame& frame) {
   const auto& [luma, chroma] = *frame.dma_buf;
@@ -23,7 +26,7 @@ std::optional<PictureLayout> layout_of(const VideoFrame& frame) {
   const std::ptrdiff_t luma_bytes = layout.luma_stride_bytes * frame.size.height;
   layout.chroma_offset_bytes = is_same_memory(luma.fd, chroma.fd)
                                    ? chroma.offset_bytes - luma.offset_bytes
-                                   : padded_layout(frame.size).chroma_offset_bytes + luma_bytes;
+                                   : (luma_bytes / kPlaneStep_bytes + 1) * kPlaneStep_bytes;
   if (layout.luma_stride_bytes < frame.size.width) return std::nullopt;
   if (layout.chroma_offset_bytes < luma_bytes) return std::nullopt;
   return layout;

@@ -23,7 +23,7 @@ void GlesOutput::draw_into_dma_bufs() {
   auto targets = DmaBufTargets::create(*view_, size_, tools_->gles_version);
   if (!targets) return;
   targets_ = std::move(*targets);
-  // A heap that has no more is made up for by plain memory, which is read back into.
+  // Plain memory where the heap has no more.
   pool_ = PicturePool([heap = tools_->dma_bufs->heap](ImageSize size) {
     auto picture = heap.allocate(padded_layout(size));
     if (!picture) return Nv12Buffer(size);
@@ -34,15 +34,28 @@ void GlesOutput::draw_into_dma_bufs() {
 
 std::array<GLuint, 2> GlesOutput::begin() {
   picture_ = pool_.take(size_);
-  is_imported_ = false;
-  if (picture_->dma_buf()) {
-    end_reading(*picture_);
-    const auto framebuffers =
-        targets_->framebuffers(tools_->dma_bufs->textures, dma_buf_picture(*picture_));
-    is_imported_ = framebuffers.has_value();
-    if (is_imported_) return *framebuffers;
+  if (targets_) {
+    if (const auto framebuffers = begin_dma_buf()) return *framebuffers;
+    give_up_dma_bufs();
   }
   return {readbacks_[0].framebuffer(), readbacks_[1].framebuffer()};
+}
+
+std::optional<std::array<GLuint, 2>> GlesOutput::begin_dma_buf() {
+  if (!picture_->dma_buf()) return std::nullopt;
+  const auto framebuffers =
+      targets_->framebuffers(tools_->dma_bufs->textures, dma_buf_picture(*picture_));
+  if (!framebuffers) return std::nullopt;
+  end_reading(*picture_);
+  return *framebuffers;
+}
+
+/// For good: an encoder that has taken over one kind of memory need not take another now and then.
+void GlesOutput::give_up_dma_bufs() {
+  targets_.reset();
+  view_.reset();
+  pool_ = PicturePool();
+  picture_ = pool_.take(size_);
 }
 
 Result<VideoFrame> GlesOutput::finish(const FrameStamp& stamp, const ColorInfo& color) {
@@ -54,7 +67,7 @@ Result<VideoFrame> GlesOutput::finish(const FrameStamp& stamp, const ColorInfo& 
 }
 
 Result<void> GlesOutput::complete() {
-  if (is_imported_) {
+  if (targets_) {
     DmaBufs& dma_bufs = *tools_->dma_bufs;
     const auto finished = targets_->finish(dma_bufs.textures, dma_buf_picture(*picture_));
     return finished ? dma_bufs.fence.wait() : finished;

@@ -30,16 +30,17 @@ class GlesOutput {
  private:
   GlesOutput(GlesTools& tools, ImageSize picture, std::array<PlaneReadback, 2> readbacks);
   void draw_into_dma_bufs();
+  [[nodiscard]] std::optional<std::array<GLuint, 2>> begin_dma_buf();
+  void give_up_dma_bufs();
   [[nodiscard]] Result<void> complete();
 
   GlesTools* tools_;
   ImageSize size_;
   std::array<PlaneReadback, 2> readbacks_;
   std::optional<PlaneView> view_;
-  std::optional<DmaBufTargets> targets_;
+  std::optional<DmaBufTargets> targets_;  ///< while there is a view
   PicturePool pool_;
   std::optional<Nv12Buffer> picture_;  ///< that is being drawn
-  bool is_imported_ = false;           ///< it is drawn where it lies
   std::int64_t bytes_copied_ = 0;
 };
 

@@ -67,6 +67,10 @@ class GlesWarper final : public Warper {
     return drawn;
   }
 
+  void forget_frames() override {
+    if (tools_.dma_bufs && context_->make_current()) tools_.dma_bufs->textures.forget_all();
+  }
+
   [[nodiscard]] std::int64_t bytes_copied() const override {
     return bytes_copied_before_ + (input_ ? input_->bytes_copied() : 0) +
            (output_ ? output_->bytes_copied() : 0);
@@ -87,6 +91,7 @@ class GlesWarper final : public Warper {
     bytes_copied_before_ = bytes_copied();
     input_.reset();
     output_.reset();
+    forget_frames();
     if (auto fits = check_size("frame", source); !fits) return fits;
     if (auto fits = check_size("output", output); !fits) return fits;
     auto target = GlesOutput::create(tools_, output);
@@ -152,8 +157,11 @@ Result<GlesTools> make_tools(const EglContext& context, const GlesOptions& optio
   tools.dma_bufs = open_dma_bufs(context.display());
   if (!tools.dma_bufs || texture_channels(gles_version) == kImportedChannels) return tools;
   auto other = MeshPainter::create(kImportedChannels, options.interpolation);
-  if (!other) return tl::unexpected(other.error());
-  tools.other_painter = std::move(*other);
+  if (other) {
+    tools.other_painter = std::move(*other);
+  } else {
+    tools.dma_bufs.reset();
+  }
   return tools;
 }
 

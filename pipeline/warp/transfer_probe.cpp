@@ -87,11 +87,12 @@ bool draws_dma_buf(DmaBufs& dma_bufs, MeshPainter& painter, const Nv12Buffer& pi
   return is_drawn && glGetError() == GL_NO_ERROR;
 }
 
-/// The first view that `works`.
+/// The first view that `works`. Nothing of the test pictures is kept.
 template <typename Works>
-std::optional<PlaneView> first_view(Works&& works) {
+std::optional<PlaneView> first_view(DmaBufs& dma_bufs, Works&& works) {
   for (const PlaneView view : kViews) {
     const bool is_usable = works(view);
+    dma_bufs.textures.forget_all();
     forget_errors();
     if (is_usable) return view;
   }
@@ -125,7 +126,7 @@ std::optional<PlaneView> choose_source_view(DmaBufs& dma_bufs, MeshPainter& pain
   begin_writing(*pattern);
   for (const Plane plane : kPlanes) draw_pattern(plane_of(*pattern, plane), layout.size, plane);
   end_writing(*pattern);
-  return first_view([&](PlaneView view) {
+  return first_view(dma_bufs, [&](PlaneView view) {
     return reads_dma_buf(dma_bufs, painter, *pattern, view, gles_version, readback);
   });
 }
@@ -133,7 +134,7 @@ std::optional<PlaneView> choose_source_view(DmaBufs& dma_bufs, MeshPainter& pain
 std::optional<PlaneView> choose_target_view(DmaBufs& dma_bufs, MeshPainter& painter,
                                             ImageSize picture, int gles_version) {
   const PictureLayout layout = padded_layout(picture);
-  return first_view([&](PlaneView view) {
+  return first_view(dma_bufs, [&](PlaneView view) {
     // Each its own memory, or what one view has drawn would be found by the next.
     const auto memory = dma_bufs.heap.allocate(layout);
     return memory && draws_dma_buf(dma_bufs, painter, *memory, view, gles_version);

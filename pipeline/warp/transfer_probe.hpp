@@ -2,8 +2,8 @@
 
 #include <optional>
 
-#include "pipeline/sample/result.hpp"
 #include "pipeline/dma_buf/dma_buf_heap.hpp"
+#include "pipeline/sample/result.hpp"
 #include "pipeline/warp/dma_buf_planes.hpp"
 #include "pipeline/warp/dma_buf_texture.hpp"
 #include "pipeline/warp/gl_fence.hpp"

@@ -25,6 +25,10 @@ class Warper {
   /// nothing. To be called, and the warper destroyed, on the thread that made the warper.
   [[nodiscard]] virtual Result<VideoFrame> warp(const VideoFrame& source, const WarpMesh& mesh) = 0;
 
+  /// Lets go of the memory of frames that were drawn and may come again, when no more will come for
+  /// some time: whoever fills it may not get new memory before.
+  virtual void forget_frames() {}
+
   /// Of all frames so far: what goes to a GPU's memory and back. What is drawn is not copied.
   [[nodiscard]] virtual std::int64_t bytes_copied() const = 0;
 

@@ -1,5 +1,6 @@
 // One pixel of a plane out of texels that each hold several bytes of a row, or one of a pair. Where it is
-// comes from the vertex shader: gl_FragCoord is mediump, which may not tell columns beyond 1024 apart.
+// comes from the vertex shader: gl_FragCoord is mediump, which need not tell columns beyond 1024 apart, even
+// where the fragment shader's own numbers do.
 varying vec2 target_at;
 uniform sampler2D source;
 uniform vec2 source_size;

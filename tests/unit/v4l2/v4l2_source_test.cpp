@@ -107,6 +107,12 @@ TEST_F(V4l2SourceTest, ADriverThatExportsNothingStillGivesFrames) {
   EXPECT_FALSE(next(*source).dma_buf);
 }
 
+TEST_F(V4l2SourceTest, WhatTheProcessorPutsTogetherIsNotForDevices) {
+  camera_->bus = "usb-xhci-hcd.0-1";
+  const auto source = started();
+  EXPECT_FALSE(next(*source).dma_buf);
+}
+
 TEST_F(V4l2SourceTest, ABufferGoesBackWithTheLastCopyOfItsFrame) {
   settings_.buffers = 4;
   const auto source = started();

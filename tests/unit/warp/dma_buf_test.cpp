@@ -191,6 +191,18 @@ TEST_P(DmaBufTest, UsesItsMemoryAgain) {
   EXPECT_EQ(first, second);
 }
 
+TEST_P(DmaBufTest, LetsGoOfFramesThatDoNotComeAgain) {
+  const ImageSize size{320, 180};
+  const WarpMesh mesh = mesh_of_map(size, size, Border::crop, same);
+  const auto sharing = warper(size, DmaBufUse::always, Interpolation::bilinear);
+  const VideoFrame picture = make_picture(size, {});
+  const VideoFrame before = sharing->warp(in_dma_buf(picture, padded_layout(size)), mesh).value();
+  sharing->forget_frames();
+  const VideoFrame after = sharing->warp(in_dma_buf(picture, padded_layout(size)), mesh).value();
+  EXPECT_EQ(largest_difference(before, after), 0);
+  EXPECT_EQ(sharing->bytes_copied(), 0);
+}
+
 /// Views that no renderer here needs, but GPUs that draw into fewer formats do.
 TEST_P(DmaBufTest, EveryViewGivesThePictureAsItIs) {
   const auto context = EglContext::create(GetParam()).value();
