@@ -21,6 +21,10 @@ namespace {
 /// Panfrost refuses strides that are not multiples of 64 bytes, others want more.
 constexpr std::ptrdiff_t kStrideStep_bytes = 256;
 
+/// Renderers draw in blocks of rows, llvmpipe also those of a picture's last block that it does not
+/// have: they must be there.
+constexpr std::ptrdiff_t kRowStep = 16;
+
 std::ptrdiff_t rounded_up(std::ptrdiff_t bytes, std::ptrdiff_t step) {
   return (bytes + step - 1) / step * step;
 }
@@ -102,7 +106,7 @@ class MappedDmaBuf {
 
 std::size_t bytes_of(const PictureLayout& layout) {
   const auto page = static_cast<std::ptrdiff_t>(::sysconf(_SC_PAGESIZE));
-  const std::ptrdiff_t rows = chroma_size(layout.size).height;
+  const std::ptrdiff_t rows = rounded_up(chroma_size(layout.size).height, kRowStep);
   return static_cast<std::size_t>(
       rounded_up(layout.chroma_offset_bytes + layout.chroma_stride_bytes * rows, page));
 }

@@ -99,7 +99,8 @@ class DmaBufTest : public testing::TestWithParam<GlesVersion> {
       const VideoFrame expected = copying.warp(picture, mesh).value();
       for (const PictureLayout& layout : camera_layouts(size)) {
         const VideoFrame drawn = sharing.warp(in_dma_buf(picture, layout), mesh).value();
-        EXPECT_LE(largest_difference(drawn, expected), 1)
+        // GLES 2 copies into other formats, which are interpolated with other roundings.
+        EXPECT_LE(largest_difference(drawn, expected), GetParam() == GlesVersion::best ? 1 : 2)
             << size.width << "x" << size.height << ", stride " << layout.luma_stride_bytes;
         EXPECT_TRUE(drawn.dma_buf);
       }
