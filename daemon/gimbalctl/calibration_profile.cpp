@@ -76,6 +76,7 @@ Result<void> check_files(const ResultFiles& files) {
     return check_file(files.plot, files.existing);
   });
 }
+
 Result<void> write_calibration_profile(std::string_view known_toml, const FittedCalibration& fitted,
                                        std::string_view comments, const ResultFiles& files) {
   if (files.profile.empty()) return {};
