@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""Prints a table from the JSON of the benchmarks: the median CPU time of each, how many copies of a frame of
-its size that is worth, and what share of OpenCV's remap of the same picture. Both are measured in the same
-run, so the ratios carry over to other machines better than the time does.
+"""Prints a table from the JSON of the benchmarks: the median CPU time of each, the median of wall time, how many
+copies of a frame of its size its CPU time is worth, and what share of OpenCV's remap of the same picture; then
+what is to be told from two benchmarks. All are measured in the same run, so the ratios carry over to other
+machines better than the time does.
 
 Usage: report.py BENCH.json
 """
@@ -12,13 +13,14 @@ import sys
 
 UNIT_S = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}
 USUAL_SIZE = "1280/720"  # of what has no size of its own
+HOW_MEASURED = re.compile(r"/(process_time|real_time|iterations:\d+)")
 
 
-def median_cpu_s(path):
-    """Median CPU time of each benchmark, in seconds, in the order that they ran in."""
+def medians(path, time):
+    """Median of "cpu_time" or "real_time" of each benchmark, in seconds, in the order that they ran in."""
     with open(path, encoding="utf-8") as file:
         rows = json.load(file)["benchmarks"]
-    return {row["run_name"].replace("/process_time", ""): row["cpu_time"] * UNIT_S[row["time_unit"]]
+    return {HOW_MEASURED.sub("", row["run_name"]): row[time] * UNIT_S[row["time_unit"]]
             for row in rows if row.get("aggregate_name") == "median"}
 
 
@@ -29,12 +31,26 @@ def ratio_to(peer, name, medians_s):
     return f"{medians_s[name] / peer_s:.4f}" if peer_s else "-"
 
 
+def for_each_size(part, whole, medians_s, text):
+    """Prints `text` with the size and the part's share of the whole, for all sizes that both benchmarks have."""
+    for name, part_s in medians_s.items():
+        whole_s = medians_s.get(name.replace(part, whole))
+        if name.startswith(part) and whole_s:
+            size = name.removeprefix(part + "/").replace("/", "x")
+            print(text.format(size=size, share=part_s / whole_s, times=whole_s / part_s))
+
+
 def main():
-    medians_s = median_cpu_s(sys.argv[1])
-    print(f"{'median of CPU time':40} {'µs':>12} {'frame copies':>14} {'OpenCV remaps':>14}")
-    for name, cpu_s in medians_s.items():
-        print(f"{name:40} {cpu_s * 1e6:12.3f} {ratio_to('frame_copy', name, medians_s):>14} "
-              f"{ratio_to('opencv_remap', name, medians_s):>14}")
+    cpu_s = medians(sys.argv[1], "cpu_time")
+    wall_s = medians(sys.argv[1], "real_time")
+    print(f"{'medians':40} {'CPU µs':>12} {'wall µs':>12} {'frame copies':>14} {'OpenCV remaps':>14}")
+    for name in cpu_s:
+        print(f"{name:40} {cpu_s[name] * 1e6:12.3f} {wall_s[name] * 1e6:12.3f} "
+              f"{ratio_to('frame_copy', name, cpu_s):>14} {ratio_to('opencv_remap', name, cpu_s):>14}")
+    for_each_size("warp_cpu/two_threads", "warp_cpu/one_thread", wall_s,
+                  "warp_cpu {size}: two threads are {times:.2f} times as fast as one, by wall time")
+    for_each_size("gles_transfers", "warp_gles/best", cpu_s,
+                  "warp_gles {size}: {share:.1%} of its CPU time is upload and read-back")
 
 
 if __name__ == "__main__":
