@@ -230,8 +230,9 @@ WarpMesh Stabilizer::mesh_for(const VirtualCamera& camera, MeshDensity least) co
                                                    orientation, camera);
   chosen.density.columns = std::max(chosen.density.columns, least.columns);
   chosen.density.rows = std::max(chosen.density.rows, least.rows);
-  WarpMesh mesh = build_warp_mesh(*lens_, camera_.size, camera_.readout_direction, orientation,
-                                  camera, camera_.size, options_.border, chosen.density);
+  WarpMesh mesh = with_shared_error(build_warp_mesh(*lens_, camera_.size, camera_.readout_direction,
+                                                    orientation, camera, camera_.size,
+                                                    options_.border, chosen.density));
   mesh.error_px = chosen.error_px;
   return mesh;
 }

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <array>
+#include <latch>
 #include <memory>
 #include <optional>
 #include <string>
@@ -23,6 +25,18 @@ int chosen_threads(std::optional<int> threads) {
   return std::max(1, threads.value_or(std::min(cores, kMostThreads)));
 }
 
+/// Also when what is counted fails: nobody waits for ever.
+class CountDown {
+ public:
+  explicit CountDown(std::latch& latch) : latch_(latch) {}
+  CountDown(const CountDown&) = delete;
+  CountDown& operator=(const CountDown&) = delete;
+  ~CountDown() { latch_.count_down(); }
+
+ private:
+  std::latch& latch_;
+};
+
 class CpuWarper final : public Warper {
  public:
   CpuWarper(std::optional<int> threads, Interpolation interpolation)
@@ -38,10 +52,7 @@ class CpuWarper final : public Warper {
     const BlackLevel black = black_level(source.color);
     luma_.begin(mesh, source, picture.luma(), {black.luma, black.luma});
     chroma_.begin(mesh, source, picture.chroma(), black.chroma);
-    workers_.share(luma_.bands() + chroma_.bands(), [this](int band) {
-      if (band < luma_.bands()) return luma_.draw(band);
-      chroma_.draw(band - luma_.bands());
-    });
+    draw();
     return pool_.publish(std::move(picture), source.stamp, source.color);
   }
 
@@ -52,6 +63,23 @@ class CpuWarper final : public Warper {
   }
 
  private:
+  /// Both planes are cut at the same time, by whoever is there first; then bands are drawn.
+  void draw() {
+    const std::array<PlaneDrawing*, 2> planes = {&luma_, &chroma_};
+    constexpr int kPlanes = planes.size();
+    std::latch are_cut(kPlanes);
+    workers_.share(kPlanes + luma_.bands() + chroma_.bands(), [&](int piece) {
+      if (piece < kPlanes) {
+        const CountDown when_done(are_cut);
+        return planes[static_cast<std::size_t>(piece)]->cut();
+      }
+      are_cut.wait();
+      const int band = piece - kPlanes;
+      if (band < luma_.bands()) return luma_.draw(band);
+      chroma_.draw(band - luma_.bands());
+    });
+  }
+
   PlaneDrawing luma_;
   PlaneDrawing chroma_;
   PicturePool pool_;

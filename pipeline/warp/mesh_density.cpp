@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 #include "pipeline/warp/warp_mesh.hpp"
 
@@ -16,8 +17,12 @@ constexpr MeshDensity kProbesOfColumns{16, 8};
 /// differences.
 constexpr double kShareOfBound = 0.75;
 
-/// Columns cost more than rows: each parts the rows of the picture once more.
-constexpr double kShareOfColumns = 0.6;
+/// What a column of cells costs, in cells: each parts the rows of the picture once more.
+constexpr int kCellsOfColumn = 64;
+
+/// Second differences need three lines.
+constexpr int kFewestCells = 2;
+constexpr int kMostCells = 1000;
 
 /// A grid of points of the exact map, and its largest second differences from cell to cell.
 struct Curvature {
@@ -55,28 +60,56 @@ Curvature curvature_of(const WarpMesh& probes) {
 }
 
 int whole_cells(double cells) {
-  return static_cast<int>(std::ceil(std::clamp(cells, 1.0, 1000.0)));
+  return static_cast<int>(std::ceil(std::clamp<double>(cells, kFewestCells, kMostCells)));
 }
 
-/// A linear piece of length L errs by at most f'' L² / 8, and second differences are f'' times the
-/// square of the probes' distance. A cell errs most half-way along its diagonal: by the sum of what
-/// its sides do, a / columns² + b / rows², and of what the twist adds, ± c / (columns rows), of
-/// which the better diagonal is chosen. For vectors x and y the shorter of x + y and x - y is at
-/// most √(x² + y²) long.
-ChosenDensity density_within(const Curvature& curvature, MeshDensity probes, double error_px) {
+/// What the pieces err at most, with vertices that share the error: half of what they would
+/// without. A linear piece of length L errs by at most f'' L² / 8, and second differences are f''
+/// times the square of the probes' distance. A cell errs most half-way along its diagonal: by the
+/// sum of what its sides do, a / columns² + b / rows², and of what the twist adds, ± c / (columns
+/// rows), of which the better diagonal is chosen. For vectors x and y the shorter of x + y and x -
+/// y is at most √(x² + y²) long.
+struct ErrorModel {
+  double a;
+  double b;
+  double c;
+
+  ErrorModel(const Curvature& curvature, MeshDensity probes)
+      : a(curvature.along_rows * probes.columns * probes.columns / 8 / 2),
+        b(curvature.along_columns * probes.rows * probes.rows / 8 / 2),
+        c(curvature.twist * probes.columns * probes.rows / 4 / 2) {}
+
+  [[nodiscard]] double error_px(MeshDensity density) const {
+    const double columns = density.columns;
+    const double rows = density.rows;
+    return std::hypot(a / (columns * columns) + b / (rows * rows), c / (columns * rows));
+  }
+
+  /// How many rows it takes; at most kMostCells.
+  [[nodiscard]] int rows_within(double bound_px, int columns) const {
+    const double sides_px = a / (columns * columns);
+    const double twist = c / columns;
+    // (sides + b u)² + twist² u = bound², solved for u = 1 / rows².
+    const double left = bound_px * bound_px - sides_px * sides_px;
+    if (!(left > 0)) return kMostCells;
+    const double half = sides_px * b + twist * twist / 2;
+    return whole_cells(std::sqrt((half + std::sqrt(half * half + b * b * left)) / left));
+  }
+};
+
+ChosenDensity density_within(const ErrorModel& model, double error_px) {
   const double bound_px = kShareOfBound * error_px;
-  const double a = curvature.along_rows * probes.columns * probes.columns / 8;
-  const double b = curvature.along_columns * probes.rows * probes.rows / 8;
-  const double c = curvature.twist * probes.columns * probes.rows / 4;
-  const int columns = whole_cells(std::sqrt(a / (kShareOfColumns * bound_px)));
-  const double sides_px = a / (columns * columns);
-  const double twist = c / columns;
-  // (sides + b u)² + twist² u = bound², solved for u = 1 / rows².
-  const double left = bound_px * bound_px - sides_px * sides_px;
-  const double half = sides_px * b + twist * twist / 2;
-  const int rows = whole_cells(std::sqrt((half + std::sqrt(half * half + b * b * left)) / left));
-  const double reached_px = std::hypot(sides_px + b / (rows * rows), twist / rows);
-  return {{columns, rows}, reached_px / kShareOfBound};
+  const int fewest_columns = whole_cells(std::sqrt(model.a / bound_px));
+  MeshDensity best;
+  int least_cost = std::numeric_limits<int>::max();
+  for (int columns = fewest_columns; columns * kCellsOfColumn < least_cost; ++columns) {
+    const int rows = model.rows_within(bound_px, columns);
+    const int cost = columns * (rows + kCellsOfColumn);
+    if (cost >= least_cost) continue;
+    least_cost = cost;
+    best = {columns, rows};
+  }
+  return {best, model.error_px(best) / kShareOfBound};
 }
 
 }  // namespace
@@ -92,7 +125,7 @@ ChosenDensity choose_mesh_density(const Lens& lens, ImageSize source_size,
                   [](const MeshVertex& vertex) { return vertex.output_px.allFinite(); });
   // Cells of which a corner cannot be seen are left out: the finer they are, the less is lost.
   if (!all_visible) return {};
-  return density_within(curvature_of(mesh), probes, error_px);
+  return density_within({curvature_of(mesh), probes}, error_px);
 }
 
 }  // namespace gimbal

@@ -11,7 +11,7 @@ constexpr double kLongestStepPx = 1 << 14;
 constexpr double kFarthestPx = 1 << 30;
 
 /// Tall enough to cost more than handing them out, short enough that all threads end together.
-constexpr int kBandRows = 128;
+constexpr int kBandRows = 64;
 
 FixedPoint to_fixed(const Eigen::Vector2d& point) {
   const Eigen::Vector2d held = point.cwiseMax(-kFarthestPx).cwiseMin(kFarthestPx);
@@ -67,22 +67,27 @@ bool has_all_cells(const WarpMesh& mesh) {
 
 void PlaneDrawing::begin(const WarpMesh& mesh, const VideoFrame& source, MutablePlane output,
                          std::array<std::uint8_t, 2> black) {
+  mesh_ = &mesh;
+  siting_ = source.color.chroma_siting;
   size_ = plane_size(mesh.output_size, plane_);
   source_ = {source.planes[static_cast<std::size_t>(plane_)], plane_size(source.size, plane_),
              mesh.border};
   output_ = {output, size_.width};
   black_ = black;
   part_into_bands();
+}
+
+void PlaneDrawing::cut() {
   pieces_.clear();
   is_folded_ = false;
-  const std::vector<MeshVertex> vertices = plane_vertices(mesh, plane_, source.color.chroma_siting);
-  for (std::size_t i = 0; i + 2 < mesh.triangles.size(); i += 3) {
-    add_piece(vertices[mesh.triangles[i]], vertices[mesh.triangles[i + 1]],
-              vertices[mesh.triangles[i + 2]]);
+  const std::vector<MeshVertex> vertices = plane_vertices(*mesh_, plane_, siting_);
+  const std::vector<std::uint16_t>& corners = mesh_->triangles;
+  for (std::size_t i = 0; i + 2 < corners.size(); i += 3) {
+    add_piece(vertices[corners[i]], vertices[corners[i + 1]], vertices[corners[i + 2]]);
   }
   // A closed line once around the picture has each pixel in as many triangles, those turned over
   // taken off, as it goes around: in one.
-  leaves_black_ = is_folded_ || !has_all_cells(mesh) || !surrounds(vertices, mesh, size_);
+  leaves_black_ = is_folded_ || !has_all_cells(*mesh_) || !surrounds(vertices, *mesh_, size_);
 }
 
 void PlaneDrawing::part_into_bands() {

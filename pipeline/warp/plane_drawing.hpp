@@ -19,10 +19,13 @@ class PlaneDrawing {
   PlaneDrawing(Plane plane, Interpolation interpolation)
       : plane_(plane), interpolation_(interpolation) {}
 
-  /// What is drawn from now on. `source` and the output's memory have to stay until it is. `black`
-  /// is a pixel of the plane: luma uses the first byte.
+  /// What is drawn from now on. `mesh`, `source` and the output's memory have to stay until it is.
+  /// `black` is a pixel of the plane: luma uses the first byte.
   void begin(const WarpMesh& mesh, const VideoFrame& source, MutablePlane output,
              std::array<std::uint8_t, 2> black);
+
+  /// Cuts the mesh into what the bands draw: to be called once, before the first of them.
+  void cut();
 
   [[nodiscard]] int bands() const { return static_cast<int>(bands_.size()); }
 
@@ -54,6 +57,8 @@ class PlaneDrawing {
 
   Plane plane_;
   Interpolation interpolation_;
+  const WarpMesh* mesh_ = nullptr;
+  ChromaSiting siting_{};
   SourcePlane source_{};
   OutputPlane output_{};
   ImageSize size_;  ///< of the output plane, in pixels

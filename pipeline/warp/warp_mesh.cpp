@@ -5,6 +5,7 @@
 #include <initializer_list>
 #include <limits>
 
+#include "pipeline/warp/mesh_cell.hpp"
 #include "pipeline/warp/output_projection.hpp"
 
 namespace gimbal {
@@ -58,57 +59,9 @@ bool is_visible(const MeshVertex& vertex) {
   return vertex.output_px.allFinite();
 }
 
-struct Cell {
-  int column;
-  int row;
-};
-
-/// Grid lines begin to end - 1.
-struct LineRange {
-  int begin;
-  int end;
-};
-
-/// The lines of the frame itself, which are evenly spaced.
-struct FrameLines {
-  LineRange columns;
-  LineRange rows;
-};
-
-/// The second difference of output positions at a line, or at the nearest that has one on either
-/// side. `at(line)` is a vertex' position; zero where there are too few lines.
-template <typename At>
-Eigen::Vector2f bend_at(int line, LineRange lines, const At& at) {
-  if (lines.end - lines.begin < 3) return Eigen::Vector2f::Zero();
-  const int middle = std::clamp(line, lines.begin + 1, lines.end - 2);
-  return at(middle - 1) - 2 * at(middle) + at(middle + 1);
-}
-
-/// Whether the exact map is nearer to the line between a cell's lower left and upper right corners
-/// than to that between the other two. Half-way along a diagonal a linear piece is off by an eighth
-/// of the map's second difference along it: the bends along both sides, and twice the twist with
-/// the sign of the diagonal's slope.
-bool rises(const WarpMesh& mesh, Cell cell, const FrameLines& frame) {
-  const auto at = [&](int column, int row) -> Eigen::Vector2f {
-    return mesh.vertices[static_cast<std::size_t>(row * mesh.vertex_columns + column)].output_px;
-  };
-  const auto [column, row] = cell;
-  const Eigen::Vector2f bends =
-      bend_at(column, frame.columns, [&](int line) { return at(line, row); }) +
-      bend_at(row, frame.rows, [&](int line) { return at(column, line); });
-  const Eigen::Vector2f twist =
-      at(column + 1, row + 1) - at(column, row + 1) - at(column + 1, row) + at(column, row);
-  // Thousandths of a pixel do not count, nor neighbours that are not visible.
-  constexpr float kLeast_px2 = 1e-4F;
-  return !(bends.dot(twist) < -kLeast_px2);
-}
-
 /// Two triangles, both turning the same way.
-void append_cell(WarpMesh& mesh, Cell cell, const FrameLines& frame) {
-  const int top_left = cell.row * mesh.vertex_columns + cell.column;
-  const int top_right = top_left + 1;
-  const int bottom_left = top_left + mesh.vertex_columns;
-  const int bottom_right = bottom_left + 1;
+void append_cell(WarpMesh& mesh, MeshCell cell, const FrameLines& frame) {
+  const auto [top_left, top_right, bottom_left, bottom_right] = corners_of(mesh, cell);
   const auto visible = [&](int i) {
     return is_visible(mesh.vertices[static_cast<std::size_t>(i)]);
   };
@@ -117,7 +70,7 @@ void append_cell(WarpMesh& mesh, Cell cell, const FrameLines& frame) {
   };
   if (!visible(top_left) || !visible(top_right) || !visible(bottom_left) || !visible(bottom_right))
     return;
-  if (rises(mesh, cell, frame)) {
+  if (rises(bend_of(mesh, cell, frame))) {
     append({top_left, top_right, bottom_left, top_right, bottom_right, bottom_left});
   } else {
     append({top_left, top_right, bottom_right, top_left, bottom_right, bottom_left});
@@ -126,14 +79,13 @@ void append_cell(WarpMesh& mesh, Cell cell, const FrameLines& frame) {
 
 /// Cells outside of the frame first, so that the frame's own pixels win where a violent motion
 /// folds the mesh over.
-void append_cells(WarpMesh& mesh, int ring_cells) {
+void append_cells(WarpMesh& mesh) {
   const int last_column = mesh.vertex_columns - 2;
   const int last_row = mesh.vertex_rows - 2;
-  const FrameLines frame{{ring_cells, mesh.vertex_columns - ring_cells},
-                         {ring_cells, mesh.vertex_rows - ring_cells}};
-  const auto in_ring = [&](Cell cell) {
-    return cell.column < ring_cells || cell.column > last_column - ring_cells ||
-           cell.row < ring_cells || cell.row > last_row - ring_cells;
+  const FrameLines frame = frame_lines(mesh);
+  const auto in_ring = [&](MeshCell cell) {
+    return cell.column < frame.columns.begin || cell.column >= frame.columns.end - 1 ||
+           cell.row < frame.rows.begin || cell.row >= frame.rows.end - 1;
   };
   for (const bool ring : {true, false}) {
     for (int row = 0; row <= last_row; ++row) {
@@ -191,15 +143,14 @@ WarpMesh build_warp_mesh(const Lens& lens, ImageSize source_size, ReadoutDirecti
     mesh.vertex_rows = static_cast<int>(grid.y.size());
     mesh.vertices = make_vertices(lens, grid, source_size, direction, q_world_camera, camera);
   };
-  const bool has_ring = border == Border::extend || border == Border::mirror;
-  if (!has_ring) lay_grid(0);
-  if (has_ring) {
+  if (!has_ring(border)) lay_grid(0);
+  if (has_ring(border)) {
     for (const double ring_width : kRingWidths) {
       lay_grid(ring_width);
       if (std::all_of(mesh.vertices.begin(), mesh.vertices.end(), is_visible)) break;
     }
   }
-  append_cells(mesh, has_ring ? 1 : 0);
+  append_cells(mesh);
   return mesh;
 }
 

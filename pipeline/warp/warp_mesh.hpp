@@ -68,13 +68,19 @@ using LineOrientation = std::function<Eigen::Quaterniond(double line)>;
                                        const VirtualCamera& camera, ImageSize output_size,
                                        Border border, MeshDensity density);
 
+/// The same mesh with its vertices moved by half of what its pieces err, so that they err as much
+/// to one side at the vertices as to the other in between: at most about half as much, and nothing
+/// on the whole. The outline of the frame moves by that much as well.
+[[nodiscard]] WarpMesh with_shared_error(WarpMesh mesh);
+
 struct ChosenDensity {
   MeshDensity density;
   std::optional<double> error_px;  ///< that it stays within
 };
 
-/// The coarsest density whose affine pieces stay within `error_px` output pixels of the exact map,
-/// for a motion that is smooth from a sixteenth of the frame's lines to the next; the default one,
+/// The density that is drawn fastest of those whose affine pieces stay within `error_px` output
+/// pixels of the exact map once they share their error, for a motion that is smooth from a
+/// sixteenth of the frame's lines to the next; the default one,
 /// whose error is not known, where the virtual camera cannot see all of the frame.
 [[nodiscard]] ChosenDensity choose_mesh_density(const Lens& lens, ImageSize source_size,
                                                 ReadoutDirection direction,

@@ -40,8 +40,8 @@ WarpMesh make_mesh(ImageSize size, double roll_deg = kUsualRoll_deg) {
   camera.intrinsics = {1.15 * k.fx, 1.15 * k.fy, k.cx, k.cy};
   const MeshDensity density =
       choose_mesh_density(lens, size, ReadoutDirection::top_down, q_world_camera, camera).density;
-  return build_warp_mesh(lens, size, ReadoutDirection::top_down, q_world_camera, camera, size,
-                         Border::crop, density);
+  return with_shared_error(build_warp_mesh(lens, size, ReadoutDirection::top_down, q_world_camera,
+                                           camera, size, Border::crop, density));
 }
 
 VideoFrame make_frame(ImageSize size) {

@@ -210,9 +210,10 @@ TEST(WarpMesh, ChosenDensityIsWithinItsBoundAndNoFinerThanItMustBe) {
             choose_mesh_density(lens, k720p, ReadoutDirection::top_down, motion, camera, bound_px);
         const ExactWarp exact{lens, motion, camera};
         const auto error_px = [&](MeshDensity cells) {
-          return largest_error_px(build_warp_mesh(lens, k720p, ReadoutDirection::top_down, motion,
-                                                  camera, k720p, Border::crop, cells),
-                                  exact);
+          return largest_error_px(
+              with_shared_error(build_warp_mesh(lens, k720p, ReadoutDirection::top_down, motion,
+                                                camera, k720p, Border::crop, cells)),
+              exact);
         };
         SCOPED_TRACE(testing::Message()
                      << "lens model " << static_cast<int>(lens.parameters().model) << ", turned by "
@@ -223,6 +224,42 @@ TEST(WarpMesh, ChosenDensityIsWithinItsBoundAndNoFinerThanItMustBe) {
         EXPECT_GT(error_px({density.columns / 2, density.rows / 2}), bound_px);
       }
     }
+  }
+}
+
+TEST(WarpMesh, SharedErrorIsAboutHalf) {
+  for (const Lens& lens : {make_lens(LensModel::pinhole, 1223, {}),
+                           make_lens(LensModel::brown, 1223, {-0.25, 0.08, 1e-3, -1e-3}),
+                           make_lens(LensModel::fisheye, 1223, {0.05, -0.02, 0, 0})}) {
+    for (const Border border : {Border::crop, Border::mirror}) {
+      const Quaterniond q_world_virtual(AngleAxisd(0.1, Vector3d(0.3, 1, 0.1).normalized()));
+      const VirtualCamera camera = camera_at(q_world_virtual, {1400, 1400, 639.5, 359.5});
+      const WarpMesh mesh = build_warp_mesh(lens, k720p, ReadoutDirection::top_down, gentle_motion,
+                                            camera, k720p, border, {12, 12});
+      const WarpMesh shared = with_shared_error(mesh);
+      const auto largest_inside_px = [&](WarpMesh part) {
+        part.triangles.erase(part.triangles.begin(),  // cells of the ring come first
+                             part.triangles.end() - std::ptrdiff_t{6} * 12 * 12);
+        return largest_error_px(part, {lens, gentle_motion, camera});
+      };
+      EXPECT_GT(largest_inside_px(mesh), 0.02) << "nothing to share";
+      EXPECT_LT(largest_inside_px(shared), 0.6 * largest_inside_px(mesh))
+          << "lens model " << static_cast<int>(lens.parameters().model);
+      EXPECT_EQ(shared.triangles, mesh.triangles);
+    }
+  }
+}
+
+TEST(WarpMesh, ErrorIsNotSharedWithWhatCannotBeSeen) {
+  const Lens lens = make_lens(LensModel::pinhole, 600, {});
+  const Quaterniond q_world_virtual(AngleAxisd(60 * kDegree, Vector3d::UnitY()));
+  const WarpMesh mesh = build_warp_mesh(lens, k720p, ReadoutDirection::top_down, still,
+                                        camera_at(q_world_virtual, {600, 600, 639.5, 359.5}), k720p,
+                                        Border::crop, {20, 10});
+  const WarpMesh shared = with_shared_error(mesh);
+  ASSERT_LT(mesh.triangles.size(), 3U * 2 * 20 * 10);
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    EXPECT_EQ(shared.vertices[i].output_px.allFinite(), mesh.vertices[i].output_px.allFinite());
   }
 }
 
@@ -262,8 +299,8 @@ TEST(WarpMesh, SourceThenExactMapReturnsToThePixel) {
     const VirtualCamera camera = camera_at(q_start * q_correction, {1300, 1300, 639.5, 359.5});
     const auto direction = ReadoutDirection::top_down;
     const auto chosen = choose_mesh_density(lens, k720p, direction, pose, camera);
-    const WarpMesh mesh =
-        build_warp_mesh(lens, k720p, direction, pose, camera, k720p, Border::crop, chosen.density);
+    const WarpMesh mesh = with_shared_error(
+        build_warp_mesh(lens, k720p, direction, pose, camera, k720p, Border::crop, chosen.density));
     const ExactWarp exact{lens, pose, camera};
     for (int i = 0; i < 40; ++i) {
       const Vector2d pixel(639.5 * (1 + unit(generator)), 359.5 * (1 + unit(generator)));

@@ -154,9 +154,9 @@ TEST(WarpProperty, MeshThenExactInverseReturnsToThePoint) {
     RandomScene scene(seed);
     const auto chosen = choose_mesh_density(scene.lens, scene.size, scene.direction,
                                             scene.q_world_camera, scene.camera);
-    const WarpMesh mesh =
+    const WarpMesh mesh = with_shared_error(
         build_warp_mesh(scene.lens, scene.size, scene.direction, scene.q_world_camera, scene.camera,
-                        scene.size, Border::crop, chosen.density);
+                        scene.size, Border::crop, chosen.density));
     if (!chosen.error_px) continue;
     for (int i = 0; i < 20; ++i) {
       const Vector2d output = scene.point_of_picture();
