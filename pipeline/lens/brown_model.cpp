@@ -34,6 +34,10 @@ std::optional<Eigen::Vector2d> BrownModel::image_point(const Eigen::Vector3d& ra
   return distort(*undistorted);
 }
 
+Eigen::Matrix<double, 2, 3> BrownModel::jacobian(const Eigen::Vector3d& ray) const {
+  return distortion_jacobian(ray.head<2>() / ray.z()) * pinhole_.jacobian(ray);
+}
+
 std::optional<Eigen::Vector3d> BrownModel::ray(const Eigen::Vector2d& image_point) const {
   const auto undistorted = undistort(image_point);
   if (!undistorted) return std::nullopt;
@@ -58,7 +62,7 @@ Eigen::Vector2d BrownModel::distort(const Eigen::Vector2d& point) const {
           y * factor + p1_ * (r2 + 2 * y * y) + 2 * p2_ * x * y};
 }
 
-Eigen::Matrix2d BrownModel::jacobian(const Eigen::Vector2d& point) const {
+Eigen::Matrix2d BrownModel::distortion_jacobian(const Eigen::Vector2d& point) const {
   const double x = point.x();
   const double y = point.y();
   const auto [factor, slope] = radial(point.squaredNorm());
@@ -76,7 +80,7 @@ bool BrownModel::folds_at(double radius) const {
   for (int i = 0; i < kDirections; ++i) {
     const double angle = 2 * std::numbers::pi * i / kDirections;
     const Eigen::Vector2d point(radius * std::cos(angle), radius * std::sin(angle));
-    if (!(jacobian(point).determinant() > 0)) return true;
+    if (!(distortion_jacobian(point).determinant() > 0)) return true;
   }
   return false;
 }
@@ -124,7 +128,7 @@ std::optional<Eigen::Vector2d> BrownModel::undistort(const Eigen::Vector2d& dist
   const double tolerance = 1e-13 * (1 + distorted_radius);
   constexpr int kMaximumIterations = 50;
   for (int i = 0; i < kMaximumIterations && residual.norm() > tolerance; ++i) {
-    Eigen::Vector2d step = -jacobian(point).inverse() * residual;
+    Eigen::Vector2d step = -distortion_jacobian(point).inverse() * residual;
     // A step that makes things worse, or leaves the circle where the map is one to one, is halved.
     constexpr int kMaximumHalvings = 40;
     for (int j = 0; j < kMaximumHalvings; ++j) {

@@ -19,6 +19,9 @@ class BrownModel {
   /// Nothing for rays that do not point forward or that lie at `fold_radius` or beyond.
   [[nodiscard]] std::optional<Eigen::Vector2d> image_point(const Eigen::Vector3d& ray) const;
 
+  /// How the image point moves with the ray, by its x, y and z; for rays that have one.
+  [[nodiscard]] Eigen::Matrix<double, 2, 3> jacobian(const Eigen::Vector3d& ray) const;
+
   /// Unit ray; nothing where no ray inside `fold_radius` leads.
   [[nodiscard]] std::optional<Eigen::Vector3d> ray(const Eigen::Vector2d& image_point) const;
 
@@ -35,7 +38,8 @@ class BrownModel {
 
   [[nodiscard]] Radial radial(double r2) const;
   [[nodiscard]] Eigen::Vector2d distort(const Eigen::Vector2d& point) const;
-  [[nodiscard]] Eigen::Matrix2d jacobian(const Eigen::Vector2d& point) const;
+  /// How a distorted point moves with the undistorted one.
+  [[nodiscard]] Eigen::Matrix2d distortion_jacobian(const Eigen::Vector2d& point) const;
   [[nodiscard]] bool folds_at(double radius) const;
   [[nodiscard]] double find_fold_radius() const;
   [[nodiscard]] double undistorted_radius(double distorted_radius) const;

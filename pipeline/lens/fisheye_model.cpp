@@ -19,6 +19,24 @@ std::optional<Eigen::Vector2d> FisheyeModel::image_point(const Eigen::Vector3d& 
   return Eigen::Vector2d(ray.head<2>() * (radius(angle) / off_axis));
 }
 
+Eigen::Matrix<double, 2, 3> FisheyeModel::jacobian(const Eigen::Vector3d& ray) const {
+  const double off_axis = ray.head<2>().norm();
+  Eigen::Matrix<double, 2, 3> J = Eigen::Matrix<double, 2, 3>::Zero();
+  if (off_axis == 0) {
+    J.leftCols<2>().diagonal().setConstant(radius_slope(0) / ray.z());
+    return J;
+  }
+  const double angle = std::atan2(off_axis, ray.z());
+  const double slope = radius_slope(angle) / ray.squaredNorm();
+  const double along = slope * ray.z();            // of the radius by the distance off the axis
+  const double across = radius(angle) / off_axis;  // around the axis
+  const Eigen::Vector2d outwards = ray.head<2>() / off_axis;
+  J.leftCols<2>() =
+      across * Eigen::Matrix2d::Identity() + (along - across) * outwards * outwards.transpose();
+  J.col(2) = -slope * off_axis * outwards;
+  return J;
+}
+
 std::optional<Eigen::Vector3d> FisheyeModel::ray(const Eigen::Vector2d& image_point) const {
   const double distance = image_point.norm();
   if (distance == 0) return Eigen::Vector3d(0, 0, 1);

@@ -20,6 +20,9 @@ class FisheyeModel {
   /// Nothing for rays at `fold_angle` or beyond.
   [[nodiscard]] std::optional<Eigen::Vector2d> image_point(const Eigen::Vector3d& ray) const;
 
+  /// How the image point moves with the ray, by its x, y and z; for rays that have one.
+  [[nodiscard]] Eigen::Matrix<double, 2, 3> jacobian(const Eigen::Vector3d& ray) const;
+
   /// Unit ray; nothing where no ray inside `fold_angle` leads.
   [[nodiscard]] std::optional<Eigen::Vector3d> ray(const Eigen::Vector2d& image_point) const;
 

@@ -106,6 +106,16 @@ std::optional<Eigen::Vector2d> Lens::project(const Eigen::Vector3d& ray_camera) 
   return Eigen::Vector2d(K(0, 0) * point->x() + K(0, 2), K(1, 1) * point->y() + K(1, 2));
 }
 
+std::optional<Eigen::Matrix<double, 2, 3>> Lens::jacobian(const Eigen::Vector3d& ray_camera) const {
+  if (!image_point(ray_camera)) return std::nullopt;
+  const Eigen::Vector2d focal_px = parameters_.K.diagonal().head<2>();
+  return std::visit(
+      [&](const auto& model) -> Eigen::Matrix<double, 2, 3> {
+        return focal_px.asDiagonal() * model.jacobian(ray_camera);
+      },
+      model_);
+}
+
 std::optional<Eigen::Vector3d> Lens::unproject(const Eigen::Vector2d& pixel) const {
   if (!pixel.allFinite()) return std::nullopt;
   const Eigen::Matrix3d& K = parameters_.K;

@@ -26,6 +26,10 @@ class Lens {
   /// The same in units of the focal length, from the principal point.
   [[nodiscard]] std::optional<Eigen::Vector2d> image_point(const Eigen::Vector3d& ray_camera) const;
 
+  /// How the pixel of a ray moves with the ray's x, y and z; nothing where the ray has none.
+  [[nodiscard]] std::optional<Eigen::Matrix<double, 2, 3>> jacobian(
+      const Eigen::Vector3d& ray_camera) const;
+
   /// Unit ray of a pixel, exact to 1e-9; nothing where no ray leads to it.
   [[nodiscard]] std::optional<Eigen::Vector3d> unproject(const Eigen::Vector2d& pixel) const;
 

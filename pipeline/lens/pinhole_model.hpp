@@ -15,6 +15,14 @@ class PinholeModel {
     return Eigen::Vector2d(ray.head<2>() / ray.z());
   }
 
+  /// How the image point moves with the ray, by its x, y and z; for rays that have one.
+  [[nodiscard]] Eigen::Matrix<double, 2, 3> jacobian(const Eigen::Vector3d& ray) const {
+    Eigen::Matrix<double, 2, 3> J;
+    J << 1, 0, -ray.x() / ray.z(),  //
+        0, 1, -ray.y() / ray.z();
+    return J / ray.z();
+  }
+
   /// Unit ray.
   [[nodiscard]] std::optional<Eigen::Vector3d> ray(const Eigen::Vector2d& image_point) const {
     return Eigen::Vector3d(image_point.x(), image_point.y(), 1).normalized();

@@ -15,18 +15,6 @@ Result<Lens> scaled_lens(LensParameters parameters, double focal_scale) {
   return Lens::create(std::move(parameters));
 }
 
-PixelByRay px_by_ray(const Lens& lens, const Eigen::Vector3d& ray) {
-  constexpr double kStep = 1e-5;
-  PixelByRay derivative = PixelByRay::Zero();
-  for (Eigen::Index axis = 0; axis < 3; ++axis) {
-    const Eigen::Vector3d step = kStep * Eigen::Vector3d::Unit(axis);
-    const auto after = lens.project(ray + step);
-    const auto before = lens.project(ray - step);
-    if (after && before) derivative.col(axis) = (*after - *before) / (2 * kStep);
-  }
-  return derivative;
-}
-
 CameraCalibration without_times(CameraCalibration camera, SensorDuration readout) {
   camera.time_offset = SensorDuration::zero();
   camera.readout = readout;
@@ -63,6 +51,10 @@ std::optional<Sighting> SightingMaker::make(const FrameStamp& stamp,
   const auto longer = longer_.unproject(px);
   const auto shorter = shorter_.unproject(px);
   if (!ray || !longer || !shorter) return std::nullopt;
+  const auto px_by_ray = lens_.jacobian(*ray);
+  const auto px_by_longer = longer_.jacobian(*longer);
+  const auto px_by_shorter = shorter_.jacobian(*shorter);
+  if (!px_by_ray || !px_by_longer || !px_by_shorter) return std::nullopt;
   const double line_px = reads_rows(direction_) ? px.y() : px.x();
   const SensorTime time = at_once_.time_of_line(stamp, line_px);
   Sighting sighting;
@@ -71,9 +63,8 @@ std::optional<Sighting> SightingMaker::make(const FrameStamp& stamp,
   sighting.line = to_seconds(one_second_.time_of_line(stamp, line_px) - time);
   sighting.ray = *ray;
   sighting.ray_by_log_focal = (*longer - *shorter) / (2 * kFocalStep);
-  sighting.px_by_ray = px_by_ray(lens_, *ray);
-  sighting.px_by_ray_by_log_focal =
-      (px_by_ray(longer_, *longer) - px_by_ray(shorter_, *shorter)) / (2 * kFocalStep);
+  sighting.px_by_ray = *px_by_ray;
+  sighting.px_by_ray_by_log_focal = (*px_by_longer - *px_by_shorter) / (2 * kFocalStep);
   return sighting;
 }
 

@@ -46,6 +46,23 @@ void expect_same_pixels(const Lens& lens, const std::vector<cv::Point3d>& rays,
   }
 }
 
+/// `opencv` has rows of u and v in turns, and the derivatives by the three of the translation from
+/// `first_column` on: a camera's ray moves as the point in its axes does.
+void expect_same_jacobians(const Lens& lens, const std::vector<cv::Point3d>& rays,
+                           const cv::Mat& opencv, int first_column) {
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    const auto jacobian = lens.jacobian({rays[i].x, rays[i].y, rays[i].z});
+    ASSERT_TRUE(jacobian);
+    for (int row = 0; row < 2; ++row) {
+      for (int axis = 0; axis < 3; ++axis) {
+        const double theirs = opencv.at<double>(2 * static_cast<int>(i) + row, first_column + axis);
+        EXPECT_NEAR((*jacobian)(row, axis), theirs, 1e-9 * (1 + jacobian->norm()))
+            << "ray " << rays[i];
+      }
+    }
+  }
+}
+
 class BrownAgainstOpenCv : public testing::TestWithParam<std::vector<double>> {};
 
 TEST_P(BrownAgainstOpenCv, Project) {
@@ -53,6 +70,14 @@ TEST_P(BrownAgainstOpenCv, Project) {
   std::vector<cv::Point2d> pixels;
   cv::projectPoints(rays, cv::Vec3d(), cv::Vec3d(), opencv_K(), GetParam(), pixels);
   expect_same_pixels(lens_of(LensModel::brown, GetParam()), rays, pixels);
+}
+
+TEST_P(BrownAgainstOpenCv, Jacobian) {
+  const auto rays = rays_within(0.6);
+  std::vector<cv::Point2d> pixels;
+  cv::Mat jacobian;  // by rotation, then by translation
+  cv::projectPoints(rays, cv::Vec3d(), cv::Vec3d(), opencv_K(), GetParam(), pixels, jacobian);
+  expect_same_jacobians(lens_of(LensModel::brown, GetParam()), rays, jacobian, 3);
 }
 
 TEST_P(BrownAgainstOpenCv, Unproject) {
@@ -85,6 +110,15 @@ TEST_P(FisheyeAgainstOpenCv, Project) {
   std::vector<cv::Point2d> pixels;
   cv::fisheye::projectPoints(rays, pixels, cv::Vec3d(), cv::Vec3d(), opencv_K(), GetParam());
   expect_same_pixels(lens_of(LensModel::fisheye, GetParam()), rays, pixels);
+}
+
+TEST_P(FisheyeAgainstOpenCv, Jacobian) {
+  const auto rays = rays_within(1.5);
+  std::vector<cv::Point2d> pixels;
+  cv::Mat jacobian;  // by focal lengths, principal point, coefficients, rotation, translation, skew
+  cv::fisheye::projectPoints(rays, pixels, cv::Vec3d(), cv::Vec3d(), opencv_K(), GetParam(), 0,
+                             jacobian);
+  expect_same_jacobians(lens_of(LensModel::fisheye, GetParam()), rays, jacobian, 11);
 }
 
 TEST_P(FisheyeAgainstOpenCv, Unproject) {

@@ -81,6 +81,30 @@ TEST(Lens, RayToPixelToRayIsExact) {
   }
 }
 
+TEST(Lens, JacobianIsWhatDifferencesTendTo) {
+  constexpr double kStep = 1e-5;
+  for (const auto& p : some_lenses()) {
+    const Lens lens = Lens::create(p).value();
+    const bool sees_sideways = p.model == LensModel::fisheye && p.distortion.empty();
+    for (const double off_axis_rad : {0.0, 1e-9, 1e-3, 0.3, 0.6, sees_sideways ? 2.0 : 0.5}) {
+      for (const double length : {1.0, 3.5}) {
+        const double x = std::sin(off_axis_rad);
+        const Eigen::Vector3d ray =
+            length * Eigen::Vector3d(0.8 * x, -0.6 * x, std::cos(off_axis_rad));
+        const auto jacobian = lens.jacobian(ray);
+        ASSERT_TRUE(jacobian);
+        for (int axis = 0; axis < 3; ++axis) {
+          const Eigen::Vector3d step = kStep * Eigen::Vector3d::Unit(axis);
+          const Eigen::Vector2d difference = *lens.project(ray + step) - *lens.project(ray - step);
+          EXPECT_LT((jacobian->col(axis) - difference / (2 * kStep)).norm(), 1e-3)
+              << "axis " << axis << ", " << off_axis_rad << " rad off";
+        }
+      }
+    }
+    EXPECT_FALSE(lens.jacobian({0, 0, -1}));
+  }
+}
+
 TEST(Lens, SeesNothingBehind) {
   for (const auto& p : some_lenses()) {
     const Lens lens = Lens::create(p).value();
