@@ -16,6 +16,7 @@
 #include "drivers/gpio/gpio_lines.hpp"
 #include "drivers/replay/calibration_keys.hpp"
 #include "drivers/replay/toml_reader.hpp"
+#include "pipeline/sink/frame_sink.hpp"
 
 namespace gimbal {
 namespace {
@@ -169,6 +170,7 @@ Result<void> read_table(TomlTable& root, std::string_view name, const Read& read
 Result<void> read_outputs(TomlTable& root, std::vector<OutputSettings>& outputs) {
   if (root.has("outputs") || root.has("output")) outputs.clear();
   for (std::string& text : root.texts("outputs").value_or(std::vector<std::string>{})) {
+    if (auto known = check_sink_text(text); !known) root.refuse("outputs", known.error().message);
     outputs.push_back(TextOutput{std::move(text)});
   }
   auto tables = root.tables("output");

@@ -37,9 +37,15 @@ double usual_fps(const CameraCalibration& calibration) {
   return calibration.fps > 0 ? calibration.fps : kThesisFps;
 }
 
+/// Samples of an IMU whose clock is ahead come as much later than the frames that they are for.
+SensorDuration wait_for_samples(const CameraCalibration& calibration) {
+  return std::max(calibration.time_offset, SensorDuration::zero());
+}
+
 std::size_t most_held(const StabilizationSettings& settings, const CameraCalibration& calibration) {
+  const double patience_s = kPatience_s + to_seconds(wait_for_samples(calibration));
   return settings.latency.value_or(0) +
-         static_cast<std::size_t>(std::ceil(kPatience_s * usual_fps(calibration)));
+         static_cast<std::size_t>(std::ceil(patience_s * usual_fps(calibration)));
 }
 
 /// Of a frame that is drawn in time behind its stamp: the lag, the readout, and some frames for
@@ -48,7 +54,7 @@ SensorDuration longest_delay(const StabilizationSettings& settings,
                              const CameraCalibration& calibration) {
   constexpr double kStages_frames = 3;
   const double lag_frames = static_cast<double>(settings.latency.value_or(0));
-  return calibration.readout +
+  return calibration.readout + wait_for_samples(calibration) +
          duration_from_seconds((lag_frames + kStages_frames) / usual_fps(calibration));
 }
 
@@ -271,7 +277,10 @@ void LivePipeline::push_aligned_samples() {
     last_sample_ = sample->time;
     is_coasting_ = false;
     stabilizer_.push(*sample);
-    if (held_.empty()) stabilizer_.forget_before(sample->time - kRememberedAttitudes);
+    if (held_.empty()) {
+      stabilizer_.forget_before(sample->time - kRememberedAttitudes -
+                                std::max(-calibration_.time_offset, SensorDuration::zero()));
+    }
   }
 }
 

@@ -66,4 +66,7 @@ struct AudioTrack {
                                                            const SinkFormat& format,
                                                            const std::optional<AudioTrack>& audio);
 
+/// Fails where `out` is none of these, as opening it would at any time.
+[[nodiscard]] Result<void> check_sink_text(const std::string& out);
+
 }  // namespace gimbal

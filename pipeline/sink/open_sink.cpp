@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdint>
 #include <utility>
 
 #include "pipeline/gstreamer/gst_runtime.hpp"
@@ -35,35 +36,52 @@ std::vector<std::string> audio_left_out(const std::string& out,
   return {fmt::format("{}: the recording's audio is left out; only .mp4 and .mkv take it", out)};
 }
 
+enum class SinkKind : std::uint8_t { standard_output, pipeline, y4m_file, video_file };
+
+Result<SinkKind> kind_of(const std::string& out) {
+  if (out == "-") return SinkKind::standard_output;
+  if (out.find(" ! ") != std::string::npos) return SinkKind::pipeline;
+  const std::string extension = lower_case_extension(out);
+  if (extension == ".y4m") return SinkKind::y4m_file;
+  if (extension == ".mp4" || extension == ".mkv") return SinkKind::video_file;
+  return bad_input(
+      fmt::format("{}: cannot tell what to write: end it in .mp4, .mkv or .y4m, or give - or a "
+                  "pipeline with \" ! \"",
+                  out));
+}
+
+Result<void> check_folder_of(const std::string& file) {
+  const std::filesystem::path folder = std::filesystem::path(file).parent_path();
+  std::error_code error;
+  if (folder.empty() || std::filesystem::is_directory(folder, error)) return {};
+  return bad_input(fmt::format("{}: there is no folder {}: make it first", file, folder.string()));
+}
+
 }  // namespace
+
+Result<void> check_sink_text(const std::string& out) {
+  const auto kind = kind_of(out);
+  return kind ? Result<void>() : tl::unexpected(kind.error());
+}
 
 Result<std::unique_ptr<FrameSink>> open_sink(const std::string& out, const SinkFormat& format,
                                              const std::optional<AudioTrack>& audio) {
   if (auto started = init_gstreamer(); !started) {
     return tl::unexpected(started.error());
   }
-  if (out == "-") {
+  const auto kind = kind_of(out);
+  if (!kind) return tl::unexpected(kind.error());
+  if (*kind == SinkKind::standard_output) {
     return Y4mSink::open_stdout(format, audio_left_out("-", audio));
   }
-  if (out.find(" ! ") != std::string::npos) {
+  if (*kind == SinkKind::pipeline) {
     return open_pipeline(out, format, audio_left_out("pipeline", audio));
   }
-  const std::filesystem::path folder = std::filesystem::path(out).parent_path();
-  std::error_code error;
-  if (!folder.empty() && !std::filesystem::is_directory(folder, error)) {
-    return bad_input(fmt::format("{}: there is no folder {}: make it first", out, folder.string()));
-  }
-  const std::string extension = lower_case_extension(out);
-  if (extension == ".y4m") {
+  if (auto there = check_folder_of(out); !there) return tl::unexpected(there.error());
+  if (*kind == SinkKind::y4m_file) {
     return Y4mSink::open_file(out, format, audio_left_out(out, audio));
   }
-  if (extension == ".mp4" || extension == ".mkv") {
-    return open_video_file(out, format, audio);
-  }
-  return bad_input(
-      fmt::format("{}: cannot tell what to write: end it in .mp4, .mkv or .y4m, or give - or a "
-                  "pipeline with \" ! \"",
-                  out));
+  return open_video_file(out, format, audio);
 }
 
 }  // namespace gimbal

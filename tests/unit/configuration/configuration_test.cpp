@@ -48,6 +48,17 @@ TEST_F(ConfigurationTest, NamesCameraAndImu) {
   EXPECT_EQ(read->imu.data_ready, "gpiochip0:4");
 }
 
+TEST_F(ConfigurationTest, RefusesAnOutputThatNeverCouldBeOpened) {
+  const auto read = load(
+      "outputs = [\"-\", \"/videos/front.avi\"]\n[camera]\ndriver = \"v4l2\"\n"
+      "[imu]\ndriver = \"iio\"\n");
+  ASSERT_FALSE(read);
+  EXPECT_NE(read.error().message.find("outputs /videos/front.avi: cannot tell what to write"),
+            std::string::npos)
+      << read.error().message;
+  EXPECT_EQ(read.error().kind, Error::Kind::bad_input);
+}
+
 TEST_F(ConfigurationTest, ALaterFileChangesSingleKeys) {
   const auto read = load(
       "outputs = [\"-\"]\n[camera]\ndriver = \"v4l2\"\n[imu]\ndriver = \"iio\"\n"

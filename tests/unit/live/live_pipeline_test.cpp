@@ -108,12 +108,17 @@ class FakeImu final : public ImuSource {
 
 class LivePipelineTest : public ::testing::Test {
  protected:
-  void SetUp() override { start(std::nullopt); }
+  void SetUp() override { start({}); }
 
-  void start(const std::optional<GyroBias>& remembered_bias) {
+  struct Start {
+    std::optional<GyroBias> remembered_bias;
+    SensorDuration time_offset = {};
+  };
+  void start(const Start& given) {
     pipeline_.reset();
     LiveSources sources;
-    sources.remembered_bias = remembered_bias;
+    sources.remembered_bias = given.remembered_bias;
+    sources.camera_calibration.time_offset = given.time_offset;
     sources.camera = std::make_unique<FakeCamera>(camera_);
     sources.imu = std::make_unique<FakeImu>(imu_);
     sources.format = {kSize, kFps, {}};
@@ -222,7 +227,7 @@ TEST_P(LivePipelineWithoutAnImu, FramesPassUntilItIsBack) {
 
 TEST_F(LivePipelineTest, ABiasFromTheRunBeforeCountsFromTheFirstPicture) {
   const Eigen::Vector3d bias_rad_s(0, 0.1, 0);  // the fake IMU lies still and shows this
-  start(GyroBias{bias_rad_s, Eigen::Vector3d::Constant(1e-4)});
+  start({GyroBias{bias_rad_s, Eigen::Vector3d::Constant(1e-4)}});
   ASSERT_TRUE(comes_true([&] { return pipeline_->status().attitude.has_value(); }));
   const Eigen::Quaterniond first = pipeline_->status().attitude->q_world_camera;
   ASSERT_TRUE(frames_come());
@@ -233,6 +238,30 @@ TEST_F(LivePipelineTest, ABiasFromTheRunBeforeCountsFromTheFirstPicture) {
   ASSERT_TRUE(learned);
   EXPECT_LT((learned->bias_rad_s - bias_rad_s).norm(), 0.005);
 }
+
+class LivePipelineWithClocksApart : public LivePipelineTest,
+                                    public ::testing::WithParamInterface<milliseconds> {};
+
+TEST_P(LivePipelineWithClocksApart, FramesWaitForTheirSamples) {
+  start({std::nullopt, GetParam()});
+  // Those from before the first sample have no orientation.
+  std::this_thread::sleep_for(std::max(-GetParam(), milliseconds(0)) + milliseconds(100));
+  const LiveCounts before = pipeline_->counts();
+  EXPECT_TRUE(comes_true([&] { return pipeline_->counts().frames_in > before.frames_in + 60; }));
+  EXPECT_TRUE(frames_come());
+  const LiveStatus status = pipeline_->status();
+  EXPECT_EQ(status.counts.dropped_without_orientation, before.dropped_without_orientation);
+  EXPECT_FALSE(status.is_coasting);
+  ASSERT_TRUE(status.attitude);
+}
+
+INSTANTIATE_TEST_SUITE_P(Offsets, LivePipelineWithClocksApart,
+                         ::testing::Values(milliseconds(-1500), milliseconds(-700),
+                                           milliseconds(400), milliseconds(900)),
+                         [](const auto& offset) {
+                           return (offset.param.count() < 0 ? "behind_by_" : "ahead_by_") +
+                                  std::to_string(std::abs(offset.param.count())) + "_ms";
+                         });
 
 TEST_F(LivePipelineTest, OtherChoicesCostNoFrame) {
   ASSERT_TRUE(frames_come());
