@@ -16,6 +16,11 @@
 namespace gimbal {
 namespace {
 
+constexpr const char* kLensNotKnown =
+    "the lens is not known: give calibration = FILE under [camera], or horizontal_fov_deg, how "
+    "many "
+    "degrees the picture is wide";
+
 /// Pixels are square, and the axis goes through the middle: near enough until it is calibrated.
 LensParameters lens_of_view(ImageSize size, double horizontal_fov_deg) {
   const double half_rad = horizontal_fov_deg * std::numbers::pi / 360;
@@ -58,11 +63,7 @@ Result<CameraCalibration> lens_for(const CameraFormat& format, const Session& kn
     }
     return fitted;
   }
-  if (!settings.horizontal_fov_deg) {
-    return bad_input(
-        "the lens is not known: give calibration = FILE under [camera], or horizontal_fov_deg, how "
-        "many degrees the picture is wide");
-  }
+  if (!settings.horizontal_fov_deg) return bad_input(kLensNotKnown);
   camera.size = format.size;
   camera.lens = lens_of_view(format.size, *settings.horizontal_fov_deg);
   camera.readout = format.readout.value_or(SensorDuration::zero());
@@ -162,6 +163,13 @@ Result<LiveSources> open_recording(const ReplaySettings& replay) {
 }
 
 }  // namespace
+
+Result<void> check_lens(const CalibrationSettings& settings) {
+  const auto known = read_calibration(settings.file);
+  if (!known) return tl::unexpected(known.error());
+  if (!known->camera && !settings.horizontal_fov_deg) return bad_input(kLensNotKnown);
+  return {};
+}
 
 Result<CameraCalibration> calibration_for(const CameraFormat& format,
                                           const CalibrationSettings& settings) {

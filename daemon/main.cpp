@@ -227,7 +227,10 @@ int main_of(int argc, char** argv) {
   };
   const auto configuration = list_files().and_then(load_configuration);
   if (!configuration) return report(configuration.error());
-  return check_only ? 0 : run(*configuration, list_files);
+  if (!check_only) return run(*configuration, list_files);
+  if (configuration->source == SourceKind::replay) return 0;
+  const auto sound = check_lens(configuration->calibration);
+  return sound ? 0 : report(sound.error());
 }
 
 }  // namespace

@@ -139,6 +139,8 @@ TEST_F(Gimbald, SaysWhatIsWrongWithAConfiguration) {
            {"outputs = [\"-\"]\n[camera]\nhorizontal_fov_deg = 200\n", "must be from 1 to 170"},
            {"outputs = [\"-\"]\n[imu]\nR_camera_imu = [[1,0,0],[0,1,0],[0,0,2]]\n",
             "is not a rotation"},
+           {"outputs = [\"-\"]\n[camera]\ndriver = \"v4l2\"\n[imu]\ndriver = \"iio\"\n",
+            "the lens is not known: give calibration = FILE"},
            {"outputs = [", "line 1"}}) {
     const auto checked = run(c.text, {"--check-config"});
     EXPECT_EQ(checked.exit_status, 2) << c.text;
