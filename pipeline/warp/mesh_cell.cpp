@@ -34,9 +34,11 @@ FrameLines frame_lines(const WarpMesh& mesh) {
 
 CellBend bend_of(const WarpMesh& mesh, MeshCell cell, const FrameLines& frame) {
   const auto at = [&](int column, int row) -> Eigen::Vector2f {
-    return mesh.vertices[static_cast<std::size_t>(row * mesh.vertex_columns + column)].output_px;
+    const auto index = std::ptrdiff_t{row} * mesh.vertex_columns + column;
+    return mesh.vertices[static_cast<std::size_t>(index)].output_px;
   };
-  const auto [column, row] = cell;
+  const int column = cell.column;
+  const int row = cell.row;
   return {bend_at(column, frame.columns, [&](int line) { return at(line, row); }),
           bend_at(row, frame.rows, [&](int line) { return at(column, line); }),
           at(column + 1, row + 1) - at(column, row + 1) - at(column + 1, row) + at(column, row)};

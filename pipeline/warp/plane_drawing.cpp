@@ -132,7 +132,7 @@ void PlaneDrawing::paint(const Piece& piece, Band& band) const {
 /// Only where no triangle draws, if that can be told from where rows begin and end.
 void PlaneDrawing::blacken(const Band& band) const {
   struct DrawnPart {
-    int begin;
+    int begin = 0;
     int end = 0;
     int pixels = 0;
   };

@@ -36,7 +36,7 @@ class PlaneDrawing {
   /// A triangle.
   struct Piece {
     std::array<Trapezoid, 2> area;
-    AffineMap map;
+    AffineMap map{};
     SampleGrid grid;
 
     [[nodiscard]] RowRange rows() const { return around(area[0].rows(), area[1].rows()); }
