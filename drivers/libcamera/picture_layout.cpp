@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "drivers/pixels/nv12_conversion.hpp"
+#include "pipeline/pixels/nv12_conversion.hpp"
 
 namespace gimbal {
 namespace {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "drivers/pixels/nv12_conversion.hpp"
+#include "pipeline/pixels/nv12_conversion.hpp"
 #include "pipeline/queue/surplus_gauge.hpp"
 
 namespace gimbal {

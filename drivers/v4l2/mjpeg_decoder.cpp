@@ -5,7 +5,7 @@
 #include <array>
 #include <cstddef>
 
-#include "drivers/pixels/nv12_conversion.hpp"
+#include "pipeline/pixels/nv12_conversion.hpp"
 
 namespace gimbal {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "drivers/pixels/nv12_conversion.hpp"
+#include "pipeline/pixels/nv12_conversion.hpp"
 
 namespace gimbal {
 

@@ -23,6 +23,22 @@ std::shared_ptr<std::uint8_t[]> allocate(std::size_t bytes) {
 
 }  // namespace
 
+std::string_view name_of(NativeFormat format) {
+  switch (format) {
+    case NativeFormat::i420:
+      return "I420";
+    case NativeFormat::yuyv:
+      return "YUYV";
+    case NativeFormat::uyvy:
+      return "UYVY";
+    case NativeFormat::rgb:
+      return "RGB";
+    case NativeFormat::bgr:
+      break;
+  }
+  return "BGR";
+}
+
 Nv12Buffer::Nv12Buffer(ImageSize size) : size_(size) {
   const ImageSize chroma = chroma_size(size);
   const std::ptrdiff_t luma_stride = align_up(size.width);

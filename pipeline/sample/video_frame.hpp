@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include "pipeline/sample/sensor_time.hpp"
 
@@ -63,13 +64,36 @@ struct DmaBufPlane {
   std::ptrdiff_t offset_bytes = 0;
 };
 
+/// What cameras and decoders deliver that is not NV12.
+enum class NativeFormat : std::uint8_t {
+  i420,  ///< planes Y, U and V; U and V have chroma_size
+  yuyv,  ///< a row is (width + 1) / 2 groups of four bytes that hold two pixels: Y, U, Y, V
+  uyvy,  ///< the same as U, Y, V, Y
+  rgb,   ///< three bytes a pixel, full range
+  bgr,
+};
+
+/// For people: "YUYV".
+[[nodiscard]] std::string_view name_of(NativeFormat format);
+
+/// A picture as the camera laid it out. I420 has three planes, all else has one.
+struct NativePicture {
+  NativeFormat format = NativeFormat::i420;
+  std::array<ConstPlane, 3> planes;
+  /// The same memory, where the driver exports it.
+  std::optional<std::array<DmaBufPlane, 3>> dma_buf = {};
+};
+
 /// A picture in NV12: plane 0 is luma, size.height rows of size.width bytes; plane 1 is interleaved
-/// U and V, chroma_size(size) pairs. Read only and cheap to copy: copies share the storage.
+/// U and V, chroma_size(size) pairs. Or, from a source that was asked for it, a native one in its
+/// place: warpers take both, whoever else looks at pixels takes as_nv12 of it. Read only and cheap
+/// to copy: copies share the storage.
 struct VideoFrame {
   FrameStamp stamp;
   ImageSize size;
   ColorInfo color;
-  std::array<ConstPlane, 2> planes;
+  std::array<ConstPlane, 2> planes;  ///< null where the picture is native
+  std::optional<NativePicture> native = {};
   std::shared_ptr<const void> storage;  ///< keeps the planes' memory alive
   /// The same memory as that of `planes`, with their strides, where the driver exports it.
   std::optional<std::array<DmaBufPlane, 2>> dma_buf = {};

@@ -6,6 +6,7 @@
 #include <string>
 #include <thread>
 
+#include "pipeline/pixels/nv12_frame.hpp"
 #include "pipeline/warp/band_workers.hpp"
 #include "pipeline/warp/black_level.hpp"
 #include "pipeline/warp/picture_pool.hpp"
@@ -48,6 +49,7 @@ class CpuWarper final : public Warper {
     if (auto checked = check_warp_input(source, mesh); !checked) {
       return tl::unexpected(checked.error());
     }
+    if (source.native) return warp(as_nv12(source), mesh);
     Nv12Buffer picture = pool_.take(mesh.output_size);
     const BlackLevel black = black_level(source.color);
     luma_.begin(mesh, source, picture.luma(), {black.luma, black.luma});

@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <utility>
 
+#include "pipeline/pixels/nv12_frame.hpp"
+
 namespace gimbal {
 namespace {
 
@@ -36,15 +38,42 @@ std::optional<PictureLayout> layout_of(const VideoFrame& frame) {
 
 GlesInput::GlesInput(GlesTools& tools, ImageSize picture)
     : tools_(tools),
+      picture_(picture),
       uploads_{PlaneUpload(Plane::luma, picture, tools.gles_version),
                PlaneUpload(Plane::chroma, picture, tools.gles_version)} {}
 
 GlesInput::Source GlesInput::bring(const VideoFrame& frame) {
-  view_.reset();
-  if (const auto textures = import(frame)) return {*textures, &tools_.import_painter()};
-  bytes_copied_ += nv12_bytes(frame.size);
-  return {{uploads_[0].upload(frame.planes[0]), uploads_[1].upload(frame.planes[1])},
+  if (!frame.native) {
+    if (const auto textures = import(frame)) return {*textures, &tools_.import_painter()};
+    return copy(frame);
+  }
+  if (const auto textures = convert(*frame.native)) return {*textures, &tools_.painter};
+  return copy(as_nv12(frame));
+}
+
+GlesInput::Source GlesInput::copy(const VideoFrame& nv12) {
+  way_ = "copied";
+  bytes_copied_ += nv12_bytes(nv12.size);
+  return {{uploads_[0].upload(nv12.planes[0]), uploads_[1].upload(nv12.planes[1])},
           &tools_.painter};
+}
+
+std::optional<std::array<GLuint, 2>> GlesInput::convert(const NativePicture& native) {
+  KnownFormat& known = know(native.format);
+  if (!known.input) return std::nullopt;
+  way_ = "copied " + std::string(name_of(native.format));
+  bytes_copied_ += known.input->bytes_per_picture();
+  return known.input->bring(native.planes);
+}
+
+GlesInput::KnownFormat& GlesInput::know(NativeFormat format) {
+  const auto found = std::ranges::find(formats_, format, &KnownFormat::format);
+  if (found != formats_.end()) return *found;
+  KnownFormat known = {format, std::nullopt};
+  auto input = NativeInput::create(format, picture_, tools_.gles_version);
+  if (input) known.input = std::move(*input);
+  formats_.push_back(std::move(known));
+  return formats_.back();
 }
 
 std::optional<std::array<GLuint, 2>> GlesInput::import(const VideoFrame& frame) {
@@ -60,7 +89,7 @@ std::optional<std::array<GLuint, 2>> GlesInput::import(const VideoFrame& frame) 
     known.sources.reset();  // this camera's memory is not like the one that was tried
     return std::nullopt;
   }
-  view_ = known.view;
+  way_ = dma_buf_text(*known.view);
   return *textures;
 }
 

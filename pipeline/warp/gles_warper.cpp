@@ -75,13 +75,14 @@ class GlesWarper final : public Warper {
     return bytes_copied_before_ + (input_ ? input_->bytes_copied() : 0) +
            (output_ ? output_->bytes_copied() : 0);
   }
+  [[nodiscard]] bool takes_native_pictures() const override { return true; }
   [[nodiscard]] std::string name() const override { return "gles"; }
   [[nodiscard]] std::string renderer() const override { return renderer_; }
   [[nodiscard]] std::string transfers() const override {
     const auto text = [](std::optional<PlaneView> view) {
       return view ? std::string(dma_buf_text(*view)) : "copied";
     };
-    return fmt::format("in {}, out {}", text(input_ ? input_->view() : std::nullopt),
+    return fmt::format("in {}, out {}", input_ ? input_->way() : "copied",
                        text(output_ ? output_->view() : std::nullopt));
   }
 

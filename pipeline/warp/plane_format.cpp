@@ -10,6 +10,10 @@ TextureFormat plane_format(Plane plane, int gles_version) {
                               : TextureFormat{GL_LUMINANCE_ALPHA, GL_LUMINANCE_ALPHA, 2};
 }
 
+TextureFormat rgb_format(int gles_version) {
+  return {gles_version >= 3 ? GL_RGB8 : GL_RGB, GL_RGB, 3};
+}
+
 std::string texture_channels(int gles_version) {
   return gles_version >= 3 ? "rg" : "ra";
 }

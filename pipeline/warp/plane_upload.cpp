@@ -6,10 +6,15 @@
 namespace gimbal {
 
 PlaneUpload::PlaneUpload(Plane plane, ImageSize picture, int gles_version)
+    : PlaneUpload(plane_size(picture, plane), plane_format(plane, gles_version), GL_LINEAR,
+                  gles_version) {}
+
+PlaneUpload::PlaneUpload(ImageSize size, const TextureFormat& format, GLint filter,
+                         int gles_version)
     : gles_version_(gles_version),
-      size_(plane_size(picture, plane)),
-      format_(plane_format(plane, gles_version)),
-      texture_(make_texture(size_, format_, GL_LINEAR)) {}
+      size_(size),
+      format_(format),
+      texture_(make_texture(size_, format_, filter)) {}
 
 GLuint PlaneUpload::upload(ConstPlane source) {
   glBindTexture(GL_TEXTURE_2D, texture_.name());

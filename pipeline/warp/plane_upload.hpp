@@ -11,11 +11,19 @@ namespace gimbal {
 /// Copies one plane of pictures into the GPU's memory, always into the same texture.
 class PlaneUpload {
  public:
-  /// `picture`: size of the whole pictures.
+  /// Of NV12, with values in texture_channels. `picture`: size of the whole pictures.
   PlaneUpload(Plane plane, ImageSize picture, int gles_version);
 
-  /// The texture with the plane's pixels; values are in `texture_channels`.
+  /// Any bytes of such texels.
+  PlaneUpload(ImageSize size, const TextureFormat& format, GLint filter, int gles_version);
+
+  /// The texture with the plane's pixels.
   [[nodiscard]] GLuint upload(ConstPlane source);
+
+  [[nodiscard]] ImageSize size() const { return size_; }
+  [[nodiscard]] std::int64_t bytes_per_picture() const {
+    return std::int64_t{size_.width} * size_.height * format_.bytes_per_pixel;
+  }
 
  private:
   void put(ConstPlane source);

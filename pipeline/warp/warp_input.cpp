@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace gimbal {
 namespace {
 
@@ -15,11 +17,19 @@ bool is_grid(const WarpMesh& mesh) {
          vertices == std::ptrdiff_t{mesh.vertex_columns} * mesh.vertex_rows;
 }
 
+bool has_picture(const VideoFrame& frame) {
+  const auto is_there = [](const ConstPlane& plane) { return plane.data != nullptr; };
+  if (is_empty(frame.size)) return false;
+  if (!frame.native) return std::ranges::all_of(frame.planes, is_there);
+  const auto& planes = frame.native->planes;
+  return frame.native->format == NativeFormat::i420 ? std::ranges::all_of(planes, is_there)
+                                                    : is_there(planes[0]);
+}
+
 }  // namespace
 
 Result<void> check_warp_input(const VideoFrame& source, const WarpMesh& mesh) {
-  if (is_empty(source.size) || source.planes[0].data == nullptr ||
-      source.planes[1].data == nullptr) {
+  if (!has_picture(source)) {
     return failed(fmt::format("warp: frame {} has no picture", source.stamp.index));
   }
   if (source.size != mesh.source_size) {

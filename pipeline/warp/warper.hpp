@@ -21,13 +21,17 @@ class Warper {
   Warper& operator=(const Warper&) = delete;
   virtual ~Warper() = default;
 
-  /// NV12 in, NV12 of mesh.output_size out; black in the frame's own range where the mesh covers
-  /// nothing. To be called, and the warper destroyed, on the thread that made the warper.
+  /// NV12 or a native picture in, NV12 of mesh.output_size out; black in the frame's own range
+  /// where the mesh covers nothing. To be called, and the warper destroyed, on the thread that made
+  /// the warper.
   [[nodiscard]] virtual Result<VideoFrame> warp(const VideoFrame& source, const WarpMesh& mesh) = 0;
 
   /// Lets go of the memory of frames that were drawn and may come again, when no more will come for
   /// some time: whoever fills it may not get new memory before.
   virtual void forget_frames() {}
+
+  /// Whether native pictures are worth having; else each is converted to NV12 on the CPU first.
+  [[nodiscard]] virtual bool takes_native_pictures() const { return false; }
 
   /// Of all frames so far: what goes to a GPU's memory and back. What is drawn is not copied.
   [[nodiscard]] virtual std::int64_t bytes_copied() const = 0;

@@ -17,19 +17,20 @@ STAGE_STANDS_ON = {
     "smoother": {"estimator"},
     "sink": {"gstreamer"},
     "sync": {"lens", "timing"},
-    "warp": {"dma_buf", "lens"},
+    "warp": {"dma_buf", "lens", "pixels"},
 }
 STAGES_THAT_ALL_MAY_USE = {"sample", "queue"}
-# What a driver stands on, beside `sample`, `queue` and `lens`.
+# What a driver stands on, beside `sample`, `queue` and `lens`: cameras on the conversion of pixels.
 DRIVER_STANDS_ON = {
-    "replay": {"gstreamer"},
+    "libcamera": {"pixels"},
+    "replay": {"gstreamer", "pixels"},
+    "v4l2": {"pixels"},
 }
 STAGES_THAT_DRIVERS_MAY_USE = {"sample", "queue", "lens"}
-# What drivers share: the clock, cameras the conversion of pixels, and those on an I²C bus the bus.
+# What drivers share: the clock, and those on an I²C bus the bus.
 SHARED_BY_DRIVERS = {
     "clock": r".*",
     "i2c": r"i2c_.*",
-    "pixels": r"v4l2|libcamera|replay",
 }
 
 # Where a system header is at home: its name, and the units (see `unit_of`) that may include it.

@@ -1,4 +1,4 @@
-#include "drivers/pixels/nv12_conversion.hpp"
+#include "pipeline/pixels/nv12_conversion.hpp"
 
 #include <algorithm>
 #include <cstring>

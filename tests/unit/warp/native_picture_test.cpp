@@ -1,0 +1,197 @@
+// Pictures as cameras lay them out: what the GPU makes of them has to be what the CPU's conversion
+// to NV12 and the same warper show.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "pipeline/pixels/nv12_frame.hpp"
+#include "pipeline/warp/warper.hpp"
+#include "tests/unit/warp/warp_scene.hpp"
+
+namespace gimbal::warp_scene {
+namespace {
+
+constexpr std::array kFormats = {NativeFormat::i420, NativeFormat::yuyv, NativeFormat::uyvy,
+                                 NativeFormat::rgb, NativeFormat::bgr};
+
+/// Bytes of a row, and rows, of each plane.
+std::vector<ImageSize> planes_of(NativeFormat format, ImageSize size) {
+  const ImageSize chroma = chroma_size(size);
+  switch (format) {
+    case NativeFormat::i420:
+      return {size, chroma, chroma};
+    case NativeFormat::yuyv:
+    case NativeFormat::uyvy:
+      return {{4 * chroma.width, size.height}};
+    default:
+      return {{3 * size.width, size.height}};
+  }
+}
+
+/// A picture whose bytes are those of a scene, so that there are edges and noise in each channel.
+/// `padding`: bytes between rows, which no picture may show.
+VideoFrame native_picture(NativeFormat format, ImageSize size, int padding) {
+  auto memory = std::make_shared<std::vector<std::vector<std::uint8_t>>>();
+  VideoFrame frame;
+  frame.size = size;
+  frame.color = {"bt709", ChromaSiting::left};
+  frame.native = NativePicture{format, {}};
+  std::size_t index = 0;
+  for (const ImageSize plane : planes_of(format, size)) {
+    const VideoFrame scene = make_picture(plane, {});
+    const std::ptrdiff_t stride = plane.width + padding;
+    std::vector<std::uint8_t>& bytes =
+        memory->emplace_back(static_cast<std::size_t>(stride * plane.height), 0xEE);
+    for (int y = 0; y < plane.height; ++y) {
+      const std::uint8_t* row = scene.planes[0].data + y * scene.planes[0].stride_bytes;
+      // Each plane the other way round than the one before, so that none can stand for another.
+      if (index % 2 == 0) {
+        std::copy_n(row, plane.width, bytes.data() + y * stride);
+      } else {
+        std::reverse_copy(row, row + plane.width, bytes.data() + y * stride);
+      }
+    }
+    frame.native->planes[index++] = {bytes.data(), stride};
+  }
+  frame.storage = memory;
+  return frame;
+}
+
+int largest_difference(const VideoFrame& a, const VideoFrame& b) {
+  int largest = 0;
+  for (int plane = 0; plane < 2; ++plane) {
+    const std::vector<std::uint8_t> bytes_a = plane_bytes(a, plane);
+    const std::vector<std::uint8_t> bytes_b = plane_bytes(b, plane);
+    EXPECT_EQ(bytes_a.size(), bytes_b.size());
+    for (std::size_t i = 0; i < bytes_a.size(); ++i) {
+      largest = std::max(largest, std::abs(bytes_a[i] - bytes_b[i]));
+    }
+  }
+  return largest;
+}
+
+class NativePictures : public testing::TestWithParam<GlesVersion> {
+ protected:
+  [[nodiscard]] static std::unique_ptr<Warper> make(
+      ImageSize size, Interpolation interpolation = Interpolation::bilinear) {
+    return make_gles_warper(size, size, {interpolation, GetParam()}).value();
+  }
+};
+
+TEST_P(NativePictures, AreDrawnAsTheirConversionIs) {
+  for (const ImageSize size :
+       {ImageSize{322, 182}, ImageSize{101, 57}, ImageSize{3, 2}, ImageSize{1, 1}}) {
+    const auto warper = make(size);
+    const WarpMesh mesh = shaky_mesh(size, size, Border::crop, View::zoomed_out);
+    for (const NativeFormat format : kFormats) {
+      // Rows as GL takes them, rows that it cannot be told of, and rows that it can.
+      for (const int padding : {0, 5, 60}) {
+        const VideoFrame native = native_picture(format, size, padding);
+        const VideoFrame drawn = warper->warp(native, mesh).value();
+        const VideoFrame expected = warper->warp(as_nv12(native), mesh).value();
+        EXPECT_FALSE(drawn.native);
+        EXPECT_EQ(drawn.color.colorimetry, "bt709");
+        EXPECT_LE(largest_difference(drawn, expected), 1)
+            << name_of(format) << ", " << size.width << "x" << size.height << ", padding "
+            << padding;
+      }
+    }
+  }
+}
+
+TEST_P(NativePictures, OfYuvAreTheConversionBitForBit) {
+  for (const ImageSize size : {ImageSize{1282, 22}, ImageSize{101, 57}}) {
+    const auto warper = make(size);
+    const WarpMesh mesh = mesh_of_map(size, size, Border::crop, same);
+    for (const NativeFormat format : {NativeFormat::i420, NativeFormat::yuyv, NativeFormat::uyvy}) {
+      const VideoFrame native = native_picture(format, size, 0);
+      EXPECT_EQ(largest_difference(warper->warp(native, mesh).value(), as_nv12(native)), 0)
+          << name_of(format) << ", " << size.width;
+    }
+  }
+}
+
+TEST_P(NativePictures, AreSharpToo) {
+  const ImageSize size{101, 57};
+  const auto warper = make(size, Interpolation::bicubic);
+  const WarpMesh mesh = shaky_mesh(size, size, Border::mirror, View::zoomed_in);
+  for (const NativeFormat format : kFormats) {
+    const VideoFrame native = native_picture(format, size, 0);
+    // Of RGB, the two may round to neighbouring levels, and the kernel's weights lie as much as 1.6
+    // times further apart than their sum.
+    const bool is_rounded = format == NativeFormat::rgb || format == NativeFormat::bgr;
+    EXPECT_LE(largest_difference(warper->warp(native, mesh).value(),
+                                 warper->warp(as_nv12(native), mesh).value()),
+              is_rounded ? 2 : 1)
+        << name_of(format);
+  }
+}
+
+TEST_P(NativePictures, MayComeByTurns) {
+  const ImageSize size{64, 36};
+  const auto warper = make(size);
+  const WarpMesh mesh = mesh_of_map(size, size, Border::crop, same);
+  const VideoFrame nv12 = make_picture(size, {});
+  for (const NativeFormat format : {NativeFormat::yuyv, NativeFormat::i420, NativeFormat::yuyv}) {
+    const VideoFrame native = native_picture(format, size, 0);
+    EXPECT_EQ(largest_difference(warper->warp(native, mesh).value(), as_nv12(native)), 0);
+    EXPECT_EQ(largest_difference(warper->warp(nv12, mesh).value(), nv12), 0);
+  }
+}
+
+TEST_P(NativePictures, AreCopiedAsTheyLie) {
+  const ImageSize size{101, 57};
+  const WarpMesh mesh = mesh_of_map(size, size, Border::crop, same);
+  const auto copied_for = [&](NativeFormat format) {
+    const auto warper = make(size);
+    EXPECT_TRUE(warper->takes_native_pictures());
+    static_cast<void>(warper->warp(native_picture(format, size, 0), mesh).value());
+    EXPECT_EQ(warper->transfers(), "in copied " + std::string(name_of(format)) + ", out copied");
+    const std::int64_t out = 101 * 57 + 2 * 51 * 29;
+    return warper->bytes_copied() - out;
+  };
+  EXPECT_EQ(copied_for(NativeFormat::i420), 101 * 57 + 2 * 51 * 29);
+  EXPECT_EQ(copied_for(NativeFormat::yuyv), 4 * 51 * 57);
+  EXPECT_EQ(copied_for(NativeFormat::uyvy), 4 * 51 * 57);
+  EXPECT_EQ(copied_for(NativeFormat::rgb), 3 * 101 * 57);
+  EXPECT_EQ(copied_for(NativeFormat::bgr), 3 * 101 * 57);
+}
+
+TEST_P(NativePictures, WithoutAPlaneAreRefused) {
+  const ImageSize size{64, 36};
+  const auto warper = make(size);
+  const WarpMesh mesh = mesh_of_map(size, size, Border::crop, same);
+  VideoFrame native = native_picture(NativeFormat::i420, size, 0);
+  native.native->planes[2] = {};
+  EXPECT_FALSE(warper->warp(native, mesh));
+}
+
+INSTANTIATE_TEST_SUITE_P(Versions, NativePictures,
+                         testing::Values(GlesVersion::best, GlesVersion::gles2),
+                         [](const auto& version) {
+                           return version.param == GlesVersion::best ? "best" : "gles2";
+                         });
+
+TEST(NativePicturesOnTheCpu, AreDrawnAsTheirConversionIs) {
+  const ImageSize size{101, 57};
+  const auto warper = make_cpu_warper();
+  EXPECT_FALSE(warper->takes_native_pictures());
+  const WarpMesh mesh = shaky_mesh(size, size, Border::crop, View::zoomed_in);
+  for (const NativeFormat format : kFormats) {
+    const VideoFrame native = native_picture(format, size, 5);
+    EXPECT_EQ(largest_difference(warper->warp(native, mesh).value(),
+                                 warper->warp(as_nv12(native), mesh).value()),
+              0)
+        << name_of(format);
+  }
+}
+
+}  // namespace
+}  // namespace gimbal::warp_scene
