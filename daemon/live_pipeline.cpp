@@ -92,6 +92,7 @@ Result<void> LivePipeline::start_threads() {
   auto drawing = can_draw.get_future();
   threads_.emplace_back([this, &can_draw] { draw(can_draw); });
   if (auto opened = drawing.get(); !opened) return opened;
+  camera_.ask_for(wanted_form_);
   threads_.emplace_back([this] { follow(); });
   if (auto started = camera_.start(); !started) return started;
   if (auto started = imu_.start(); !started) return started;
@@ -345,6 +346,7 @@ void LivePipeline::draw(std::promise<Result<void>>& can_draw) {
     can_draw.set_value(tl::unexpected(warper.error()));
     return;
   }
+  if ((*warper)->takes_native_pictures()) wanted_form_ = PictureForm::native;
   can_draw.set_value({});
   const auto period = duration_from_seconds(1 / usual_fps(calibration_));
   while (!drawings_.is_at_end()) {

@@ -93,7 +93,7 @@ struct LiveStatus {
   std::optional<OffsetReport> tracked_offset;
 };
 
-/// Sees what the sources deliver, on their threads. Must not wait.
+/// Sees what the sources deliver, on their threads: frames may be native. Must not wait.
 class SourceObserver {
  public:
   SourceObserver() = default;
@@ -230,6 +230,8 @@ class LivePipeline {
   std::optional<SensorTime> last_frame_;
   std::optional<SensorTime> last_sample_;
   int sources_running_ = 2;
+
+  PictureForm wanted_form_ = PictureForm::nv12;  ///< by the warper, before the camera starts
 
   // Used by `draw` alone.
   BorderFill fill_;

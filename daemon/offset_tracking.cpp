@@ -13,6 +13,7 @@
 
 #include "daemon/journal.hpp"
 #include "drivers/clock/monotonic_now.hpp"
+#include "pipeline/pixels/nv12_frame.hpp"
 
 namespace gimbal {
 namespace {
@@ -93,7 +94,7 @@ void OffsetTracking::saw(const VideoFrame& frame) {
   if (!growing_.empty() && ++passed_ % stride_frames_ != 0) return;
   passed_ = 0;
   const SensorDuration begin = thread_cpu_time();
-  auto picture = corners_.small_picture(frame, block_px_);
+  auto picture = corners_.small_picture(as_nv12(frame), block_px_);
   copy_time_ = copy_time_.load() + (thread_cpu_time() - begin);
   if (!picture) {
     growing_.clear();

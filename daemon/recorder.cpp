@@ -10,6 +10,7 @@
 
 #include "daemon/name_now.hpp"
 #include "daemon/state_folder.hpp"
+#include "pipeline/pixels/nv12_frame.hpp"
 
 namespace gimbal {
 namespace {
@@ -39,7 +40,7 @@ Recorder::Recorder(RecordingSettings settings, CameraFormat format, Session abou
 Recorder::~Recorder() = default;
 
 void Recorder::saw(const VideoFrame& frame) {
-  if (const auto recording = current()) recording->give(frame);
+  if (const auto recording = current()) recording->give(as_nv12(frame));
 }
 
 void Recorder::saw(const ImuReading& reading) {

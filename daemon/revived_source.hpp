@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "daemon/journal.hpp"
+#include "drivers/camera_source.hpp"
 #include "pipeline/sample/result.hpp"
 
 namespace gimbal {
@@ -44,6 +45,9 @@ class RevivedSource {
 
   /// Fails where the source does: what never ran is not waited for.
   [[nodiscard]] Result<void> start() { return source_->start(); }
+
+  /// Of a camera; see there.
+  void ask_for(PictureForm form) { source_->ask_for(form); }
 
   /// Waits for the next item, or for the source to come back.
   [[nodiscard]] Reading read() {

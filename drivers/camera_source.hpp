@@ -21,6 +21,12 @@ struct CameraFormat {
   std::vector<std::string> warnings = {};            ///< what is odd about the device, a line each
 };
 
+/// How a source's frames lie in memory.
+enum class PictureForm : std::uint8_t {
+  nv12,
+  native,  ///< as the device laid them out, where VideoFrame has a name for that
+};
+
 /// Frames, one after the other. Owns no policy: whoever reads decides what to drop. One thread
 /// starts, reads and asks; `stop` may come from another, and ends a `read` that waits.
 class CameraSource {
@@ -35,6 +41,10 @@ class CameraSource {
 
   /// Valid after `start`.
   [[nodiscard]] virtual CameraFormat format() const = 0;
+
+  /// How frames may come from the next one on: NV12 alone, unless `native` is said, too. On the
+  /// thread that reads, or before there is one.
+  virtual void ask_for(PictureForm /*form*/) {}
 
   /// Waits for the next frame; nothing at the end of a recording or after `stop`. Stamps rise.
   /// Fails within a few seconds when the device is gone or has fallen silent; `start` may bring it

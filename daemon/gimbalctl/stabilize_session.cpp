@@ -238,6 +238,7 @@ Result<void> Job::make_warper(ImageSize size) {
   warper_ = std::move(chosen->warper);
   report_.warper_reason = std::move(chosen->reason);
   if (!chosen->warning.empty()) warn(std::move(chosen->warning));
+  if (warper_->takes_native_pictures()) source_->ask_for(PictureForm::native);
   return {};
 }
 
@@ -323,6 +324,7 @@ Result<FilledPicture> Job::warp(const VirtualCamera& camera, const VideoFrame& f
   report_.warper_reason = drawn.error().message;
   report_.copied.warp = warper_->bytes_copied();
   warper_ = make_cpu_warper(request_);
+  source_->ask_for(PictureForm::nv12);
   return warp_once(frame, mesh, neighbours);
 }
 

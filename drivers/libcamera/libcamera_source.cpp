@@ -124,21 +124,42 @@ Result<std::optional<CapturedPicture>> LibcameraSource::next_sound_picture(Senso
   return failed(fmt::format("{} pictures in a row are damaged, or have no stamp", kMostRefused));
 }
 
+namespace {
+
+/// Where the picture lies, as what it is.
+void point_to(const std::vector<MappedPlane>& mapped, LibcameraLayout layout, VideoFrame& frame) {
+  const auto format = native_format(layout);
+  if (!format) {
+    frame.planes = {mapped[0].plane, mapped[1].plane};
+    frame.dma_buf = {
+        {{mapped[0].fd, mapped[0].offset_bytes}, {mapped[1].fd, mapped[1].offset_bytes}}};
+    return;
+  }
+  NativePicture& native = frame.native.emplace();
+  native.format = *format;
+  auto& dma_buf = native.dma_buf.emplace();
+  for (std::size_t i = 0; i < mapped.size(); ++i) {
+    native.planes[i] = mapped[i].plane;
+    dma_buf[i] = {mapped[i].fd, mapped[i].offset_bytes};
+  }
+}
+
+}  // namespace
+
 VideoFrame LibcameraSource::frame_of(const CapturedPicture& picture,
                                      const FrameStamp& stamp) const {
   const auto from = session();
   const LibcameraPictures& pictures = from->pictures();
   const std::vector<MappedPlane>& mapped = from->planes(picture.buffer);
-  auto lease = pictures.layout == LibcameraLayout::nv12 ? from->lend(picture.buffer) : nullptr;
+  const bool can_stay = !native_format(pictures.layout) || form_ == PictureForm::native;
+  auto lease = can_stay ? from->lend(picture.buffer) : nullptr;
   if (lease) {
     VideoFrame frame;
     frame.stamp = stamp;
     frame.size = pictures.size;
     frame.color = pictures.color;
-    frame.planes = {mapped[0].plane, mapped[1].plane};
     frame.storage = std::move(lease);
-    frame.dma_buf = {
-        {{mapped[0].fd, mapped[0].offset_bytes}, {mapped[1].fd, mapped[1].offset_bytes}}};
+    point_to(mapped, pictures.layout, frame);
     return frame;
   }
   std::vector<ConstPlane> planes;

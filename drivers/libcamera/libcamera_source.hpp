@@ -24,6 +24,7 @@ class LibcameraSource final : public CameraSource {
   /// Returns once the first picture is there, whose stamp has been checked.
   [[nodiscard]] Result<void> start() override;
   [[nodiscard]] CameraFormat format() const override { return format_; }
+  void ask_for(PictureForm form) override { form_ = form; }
   [[nodiscard]] Result<std::optional<VideoFrame>> read() override;
   void stop() override;
   [[nodiscard]] std::uint64_t lost() const override { return lost_; }
@@ -42,6 +43,7 @@ class LibcameraSource final : public CameraSource {
   // Of the thread that reads.
   std::string id_;
   CameraFormat format_;
+  PictureForm form_ = PictureForm::nv12;
   KernelClock clock_ = KernelClock::monotonic;
   SequenceCounter sequence_;
   std::optional<CapturedPicture> first_;  ///< that `start` has waited for

@@ -71,6 +71,20 @@ const std::vector<KnownLibcameraFormat>& known_libcamera_formats() {
   return formats;
 }
 
+std::optional<NativeFormat> native_format(LibcameraLayout layout) {
+  switch (layout) {
+    case LibcameraLayout::nv12:
+      return std::nullopt;
+    case LibcameraLayout::yuv420:
+      return NativeFormat::i420;
+    case LibcameraLayout::bgr_bytes:
+      return NativeFormat::bgr;
+    case LibcameraLayout::rgb_bytes:
+      return NativeFormat::rgb;
+  }
+  return std::nullopt;
+}
+
 std::string colorimetry_of(const std::optional<ColorSpace>& space) {
   if (!space || space->primaries == ColorSpace::Primaries::Raw) return {};
   std::string numbers =

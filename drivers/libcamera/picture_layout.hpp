@@ -25,6 +25,9 @@ struct KnownLibcameraFormat {
 /// In the order of the work that they make.
 [[nodiscard]] const std::vector<KnownLibcameraFormat>& known_libcamera_formats();
 
+/// What such pictures are where they are not NV12.
+[[nodiscard]] std::optional<NativeFormat> native_format(LibcameraLayout layout);
+
 /// How the pictures of a stream lie.
 struct LibcameraPictures {
   ImageSize size;

@@ -67,6 +67,7 @@ class PacedCamera final : public CameraSource {
 
   [[nodiscard]] Result<void> start() override;
   [[nodiscard]] CameraFormat format() const override { return camera_.format(); }
+  void ask_for(PictureForm form) override { camera_.ask_for(form); }
   [[nodiscard]] Result<std::optional<VideoFrame>> read() override;
   void stop() override;
   [[nodiscard]] std::vector<std::string> remarks() const override { return remarks_; }

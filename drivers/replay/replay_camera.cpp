@@ -153,9 +153,15 @@ Result<std::optional<VideoFrame>> ReplayCamera::deliver(
   frame.stamp = stamps_[next_++];
   frame.size = picture->size;
   frame.color = picture->color;
-  frame.planes = {picture->planes[0], picture->planes[1]};
   frame.storage = picture->storage;
-  if (picture->planes.size() == 3) weaver_->weave(picture->planes[1], picture->planes[2], frame);
+  const auto& planes = picture->planes;
+  const bool is_i420 = planes.size() == 3;
+  if (is_i420 && form_ == PictureForm::native) {
+    frame.native = NativePicture{NativeFormat::i420, {planes[0], planes[1], planes[2]}};
+    return frame;
+  }
+  frame.planes = {planes[0], planes[1]};
+  if (is_i420) weaver_->weave(planes[1], planes[2], frame);
   return frame;
 }
 

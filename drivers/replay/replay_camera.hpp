@@ -19,8 +19,8 @@ class VideoDecoder;
 /// The frames of a recording. Each picture gets the stamp of the recording's frame list that has
 /// its place in the video as index, and is left out where there is none. The video file's own times
 /// only tell places: in a damaged video they leave room for pictures that cannot be decoded.
-/// Pictures are handed over in GStreamer's memory, of I420 the luma. `stop` may be called while
-/// another thread waits in `read`.
+/// Pictures are handed over in GStreamer's memory; of I420 that becomes NV12, the luma. `stop` may
+/// be called while another thread waits in `read`.
 class ReplayCamera final : public CameraSource {
  public:
   /// `stamps`: indices rise. `fps`: the nominal rate; 0 takes what the video file says.
@@ -33,6 +33,9 @@ class ReplayCamera final : public CameraSource {
   /// Goes back to the first frame; after `start`, and on the thread that reads. Where the file can
   /// be sought in that takes less than a frame's time and no memory.
   [[nodiscard]] Result<void> rewind();
+
+  /// Native is I420, where the decoder writes that.
+  void ask_for(PictureForm form) override { form_ = form; }
 
   /// Ends with the shorter of the two, video and frame list. Of a damaged video pictures are
   /// missing, or it ends early.
@@ -79,6 +82,7 @@ class ReplayCamera final : public CameraSource {
   std::vector<FrameStamp> stamps_;
   double fps_;
   CameraFormat format_;
+  PictureForm form_ = PictureForm::nv12;
   std::unique_ptr<VideoDecoder> decoder_;
   std::shared_ptr<SurplusGauge> gauge_;  ///< of the decoder's pictures
   std::unique_ptr<ChromaWeaver> weaver_;

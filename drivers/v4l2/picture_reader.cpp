@@ -6,17 +6,40 @@
 #include "pipeline/pixels/nv12_conversion.hpp"
 
 namespace gimbal {
+namespace {
+
+bool is_nv12(PixelLayout layout) {
+  return layout == PixelLayout::nv12 || layout == PixelLayout::nv12_two_memories;
+}
+
+std::optional<NativeFormat> native_format(PixelLayout layout) {
+  switch (layout) {
+    case PixelLayout::i420:
+    case PixelLayout::yv12:  // the places of U and V are in this order, too
+      return NativeFormat::i420;
+    case PixelLayout::yuyv:
+      return NativeFormat::yuyv;
+    case PixelLayout::uyvy:
+      return NativeFormat::uyvy;
+    default:
+      return std::nullopt;
+  }
+}
+
+}  // namespace
 
 PictureReader::PictureReader(PictureFormat format)
     : format_(std::move(format)), places_(places_of(format_)), least_bytes_(least_bytes(format_)) {}
 
 std::optional<VideoFrame> PictureReader::read(const FilledBuffer& buffer, PictureStream& stream,
-                                              const FrameStamp& stamp) {
+                                              const FrameStamp& stamp, PictureForm form) {
   if (!is_whole(buffer)) {
     stream.give_back(buffer.index);
     return std::nullopt;
   }
-  if (auto frame = in_place(buffer, stream, stamp)) return frame;
+  if (can_stay(form)) {
+    if (auto frame = in_place(buffer, stream, stamp)) return frame;
+  }
   auto picture = converted(buffer);
   stream.give_back(buffer.index);
   if (!picture) return std::nullopt;
@@ -36,27 +59,41 @@ ConstPlane PictureReader::plane(const FilledBuffer& buffer, std::size_t index) c
   return {buffer.memories[place.memory].data + place.offset_bytes, place.stride_bytes};
 }
 
+template <std::size_t kCount>
+std::optional<std::array<DmaBufPlane, kCount>> PictureReader::exported(
+    const FilledBuffer& buffer) const {
+  std::array<DmaBufPlane, kCount> planes;
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const FilledBuffer::Memory& memory = buffer.memories[places_[i].memory];
+    if (memory.dma_buf < 0) return std::nullopt;
+    planes[i] = {memory.dma_buf, memory.offset_bytes + places_[i].offset_bytes};
+  }
+  return planes;
+}
+
+bool PictureReader::can_stay(PictureForm form) const {
+  return is_nv12(format_.layout) ||
+         (form == PictureForm::native && native_format(format_.layout).has_value());
+}
+
 std::optional<VideoFrame> PictureReader::in_place(const FilledBuffer& buffer, PictureStream& stream,
                                                   const FrameStamp& stamp) const {
-  const bool is_nv12 =
-      format_.layout == PixelLayout::nv12 || format_.layout == PixelLayout::nv12_two_memories;
-  if (!is_nv12) return std::nullopt;
   auto lease = stream.lend(buffer.index);
   if (!lease) return std::nullopt;
   VideoFrame frame;
   frame.stamp = stamp;
   frame.size = format_.size;
   frame.color = format_.color;
-  frame.planes = {plane(buffer, 0), plane(buffer, 1)};
   frame.storage = std::move(lease);
-  std::array<DmaBufPlane, 2> dma_buf;
-  bool is_exported = true;
-  for (std::size_t i = 0; i < dma_buf.size(); ++i) {
-    const FilledBuffer::Memory& memory = buffer.memories[places_[i].memory];
-    dma_buf[i] = {memory.dma_buf, memory.offset_bytes + places_[i].offset_bytes};
-    is_exported = is_exported && memory.dma_buf >= 0;
+  if (is_nv12(format_.layout)) {
+    frame.planes = {plane(buffer, 0), plane(buffer, 1)};
+    frame.dma_buf = exported<2>(buffer);
+    return frame;
   }
-  if (is_exported) frame.dma_buf = dma_buf;
+  NativePicture& native = frame.native.emplace();
+  native.format = *native_format(format_.layout);
+  for (std::size_t i = 0; i < places_.size(); ++i) native.planes[i] = plane(buffer, i);
+  native.dma_buf = exported<3>(buffer);
   return frame;
 }
 

@@ -171,7 +171,7 @@ std::optional<VideoFrame> V4l2Source::frame_of(const FilledBuffer& buffer) {
     from->give_back(buffer.index);
     return std::nullopt;
   }
-  auto frame = reader_->read(buffer, *from, {index_, time, exposure_});
+  auto frame = reader_->read(buffer, *from, {index_, time, exposure_}, form_);
   if (!frame) {
     ++lost_;
     return std::nullopt;

@@ -27,6 +27,7 @@ class V4l2Source final : public CameraSource {
   /// Returns once the first picture is there, whose stamp has been checked.
   [[nodiscard]] Result<void> start() override;
   [[nodiscard]] CameraFormat format() const override { return format_; }
+  void ask_for(PictureForm form) override { form_ = form; }
   [[nodiscard]] Result<std::optional<VideoFrame>> read() override;
   void stop() override;
   [[nodiscard]] std::uint64_t lost() const override { return lost_; }
@@ -50,6 +51,7 @@ class V4l2Source final : public CameraSource {
   // Of the thread that reads.
   std::string path_;
   CameraFormat format_;
+  PictureForm form_ = PictureForm::nv12;
   std::optional<PictureReader> reader_;
   std::optional<SensorDuration> exposure_;
   KernelClock clock_ = KernelClock::monotonic;

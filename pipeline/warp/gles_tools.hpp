@@ -13,6 +13,7 @@ namespace gimbal {
 struct GlesTools {
   int gles_version;
   Readback readback;
+  bool takes_native_pictures;
   MeshPainter painter;                       ///< for texture_channels
   std::optional<MeshPainter> other_painter;  ///< for kImportedChannels where these are others
   std::optional<DmaBufs> dma_bufs;           ///< where they are used

@@ -75,7 +75,7 @@ class GlesWarper final : public Warper {
     return bytes_copied_before_ + (input_ ? input_->bytes_copied() : 0) +
            (output_ ? output_->bytes_copied() : 0);
   }
-  [[nodiscard]] bool takes_native_pictures() const override { return true; }
+  [[nodiscard]] bool takes_native_pictures() const override { return tools_.takes_native_pictures; }
   [[nodiscard]] std::string name() const override { return "gles"; }
   [[nodiscard]] std::string renderer() const override { return renderer_; }
   [[nodiscard]] std::string transfers() const override {
@@ -130,12 +130,19 @@ class GlesWarper final : public Warper {
   std::int64_t bytes_copied_before_ = 0;  ///< with sizes that are gone
 };
 
+bool draws_on_a_gpu() {
+  return !is_software_renderer(reinterpret_cast<const char*>(glGetString(GL_RENDERER)));
+}
+
 bool are_dma_bufs_used(DmaBufUse use) {
   // A software renderer gains nothing by them, and some end the process when they meet another
   // device's.
-  return use == DmaBufUse::always ||
-         (use == DmaBufUse::on_gpus &&
-          !is_software_renderer(reinterpret_cast<const char*>(glGetString(GL_RENDERER))));
+  return use == DmaBufUse::always || (use == DmaBufUse::on_gpus && draws_on_a_gpu());
+}
+
+/// A software renderer draws a conversion in several times the time of vector instructions.
+bool pay_native_pictures(DmaBufUse use) {
+  return use == DmaBufUse::always || draws_on_a_gpu();
 }
 
 /// Nothing where this machine or this driver has none: then pictures are copied.
@@ -153,7 +160,8 @@ Result<GlesTools> make_tools(const EglContext& context, const GlesOptions& optio
   if (!painter) return tl::unexpected(painter.error());
   const auto readback = choose_readback(*painter, gles_version);
   if (!readback) return tl::unexpected(readback.error());
-  GlesTools tools = {gles_version, *readback, std::move(*painter), std::nullopt, std::nullopt};
+  GlesTools tools = {gles_version,        *readback,    pay_native_pictures(options.dma_bufs),
+                     std::move(*painter), std::nullopt, std::nullopt};
   if (!are_dma_bufs_used(options.dma_bufs)) return tools;
   tools.dma_bufs = open_dma_bufs(context.display());
   if (!tools.dma_bufs || texture_channels(gles_version) == kImportedChannels) return tools;

@@ -30,7 +30,7 @@ class Warper {
   /// some time: whoever fills it may not get new memory before.
   virtual void forget_frames() {}
 
-  /// Whether native pictures are worth having; else each is converted to NV12 on the CPU first.
+  /// Whether native pictures cost it less than their conversion to NV12 costs the CPU.
   [[nodiscard]] virtual bool takes_native_pictures() const { return false; }
 
   /// Of all frames so far: what goes to a GPU's memory and back. What is drawn is not copied.
@@ -60,7 +60,7 @@ enum class GlesVersion : std::uint8_t {
 
 /// Whether pictures that lie in dma-bufs are drawn from where they lie, and drawn pictures lie in
 /// dma-bufs, so that nothing is copied to the GPU and back. Where that does not work, they are
-/// copied.
+/// copied. With `always`, native pictures are wanted of software renderers, too.
 enum class DmaBufUse : std::uint8_t {
   on_gpus,
   always,  ///< with software renderers, too: for tests

@@ -16,6 +16,7 @@
 #include "drivers/synthetic/panorama.hpp"
 #include "drivers/synthetic/scene.hpp"
 #include "drivers/synthetic/synthetic_camera.hpp"
+#include "pipeline/pixels/nv12_frame.hpp"
 #include "tests/support/gst_playback.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/test_pictures.hpp"
@@ -82,6 +83,26 @@ TEST_P(CameraSourceContract, FramesAreAsTheFormatSays) {
     EXPECT_NE(frame.storage, nullptr);
     EXPECT_GE(frame.planes[0].stride_bytes, frame.size.width);
     EXPECT_GE(frame.planes[1].stride_bytes, 2 * chroma_size(frame.size).width);
+  }
+}
+
+TEST_P(CameraSourceContract, NativePicturesComeWhereTheyAreAskedForAndShowTheSame) {
+  ASSERT_TRUE(camera_->start());
+  const auto plain = read_to_end();
+  camera_->stop();
+  camera_->ask_for(PictureForm::native);
+  ASSERT_TRUE(camera_->start());
+  const auto asked = read_to_end();
+  camera_->stop();
+  camera_->ask_for(PictureForm::nv12);
+  ASSERT_TRUE(camera_->start());
+  const auto plain_again = read_to_end();
+  ASSERT_EQ(asked.size(), plain.size());
+  ASSERT_EQ(plain_again.size(), plain.size());
+  for (std::size_t i = 0; i < plain.size(); ++i) {
+    EXPECT_FALSE(plain[i].native);
+    EXPECT_FALSE(plain_again[i].native);
+    EXPECT_EQ(pixels_of(as_nv12(asked[i])), pixels_of(plain[i])) << i;
   }
 }
 

@@ -260,6 +260,7 @@ TEST_F(Gimbalctl, SoftwareGlesIsTakenOnlyWhenAskedFor) {
   EXPECT_EQ(asked["warper_reason"], "asked for");
   // To the renderer's memory and back; what is drawn on the CPU is not copied.
   EXPECT_EQ(asked["bytes_copied_per_frame"]["warp"], 2 * 320 * 240 * 3 / 2);
+  EXPECT_EQ(asked["transfers"], "in copied, out copied");
   EXPECT_EQ(unset["bytes_copied_per_frame"]["warp"], 0);
   EXPECT_EQ(unset["warper_reason"], "no GPU: GLES would draw with " + renderer);
 }

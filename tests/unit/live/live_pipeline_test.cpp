@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "drivers/replay/paced_replay.hpp"
+#include "pipeline/pixels/nv12_frame.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace gimbal {
@@ -68,11 +69,13 @@ class FakeCamera final : public CameraSource {
   explicit FakeCamera(Device& device) : device_(device) {}
   Result<void> start() override { return device_.start(); }
   [[nodiscard]] CameraFormat format() const override { return {kSize, kFps, {}}; }
+  void ask_for(PictureForm form) override { form_ = form; }
   void stop() override { device_.stop(); }
   Result<std::optional<VideoFrame>> read() override {
     const auto time = device_.wait(duration_from_seconds(1 / kFps));
     if (!time) return tl::unexpected(time.error());
     if (!*time) return std::nullopt;
+    if (form_ == PictureForm::native) return yuyv_picture({index_++, **time, std::nullopt});
     Nv12Buffer picture(kSize);
     std::fill_n(picture.luma().data, picture.luma().stride_bytes * kSize.height, kLevel);
     std::fill_n(picture.chroma().data, picture.chroma().stride_bytes * kSize.height / 2, 128);
@@ -80,8 +83,35 @@ class FakeCamera final : public CameraSource {
   }
 
  private:
+  /// The same as one in NV12.
+  static VideoFrame yuyv_picture(const FrameStamp& stamp) {
+    const auto bytes = std::make_shared<std::vector<std::uint8_t>>();
+    for (int i = 0; i < kSize.width * kSize.height; ++i) bytes->insert(bytes->end(), {kLevel, 128});
+    VideoFrame frame;
+    frame.stamp = stamp;
+    frame.size = kSize;
+    frame.native = NativePicture{NativeFormat::yuyv, {ConstPlane{bytes->data(), 2 * kSize.width}}};
+    frame.storage = bytes;
+    return frame;
+  }
+
   Device& device_;
+  PictureForm form_ = PictureForm::nv12;
   std::int64_t index_ = 0;
+};
+
+/// What the sources deliver to those who look on.
+class Onlooker final : public SourceObserver {
+ public:
+  void saw(const VideoFrame& frame) override {
+    ++(frame.native ? native : nv12);
+    if (as_nv12(frame).planes[0].data[0] != kLevel) ++wrong;
+  }
+  void saw(const ImuReading& /*reading*/) override {}
+
+  std::atomic<int> native = 0;
+  std::atomic<int> nv12 = 0;
+  std::atomic<int> wrong = 0;
 };
 
 class FakeImu final : public ImuSource {
@@ -113,6 +143,7 @@ class LivePipelineTest : public ::testing::Test {
   struct Start {
     std::optional<GyroBias> remembered_bias;
     SensorDuration time_offset = {};
+    WarperKind warper = WarperKind::cpu;
   };
   void start(const Start& given) {
     pipeline_.reset();
@@ -128,9 +159,11 @@ class LivePipelineTest : public ::testing::Test {
     sources.camera_calibration.readout = milliseconds(10);
     StabilizationSettings settings;
     settings.latency = 3;
-    settings.warper = WarperKind::cpu;
+    settings.warper = given.warper;
+    settings.dma_bufs = DmaBufUse::always;  // or software renderers would want no native pictures
     settings.border = Border::extend;
-    auto started = LivePipeline::start(std::move(sources), settings, {TextOutput{file_}});
+    auto started =
+        LivePipeline::start(std::move(sources), settings, {TextOutput{file_}}, {&onlooker_});
     ASSERT_TRUE(started) << started.error().message;
     pipeline_ = std::move(*started);
   }
@@ -175,6 +208,7 @@ class LivePipelineTest : public ::testing::Test {
   std::string file_ = (folder_.path() / "out.y4m").string();
   Device camera_;
   Device imu_;
+  Onlooker onlooker_;
   std::unique_ptr<LivePipeline> pipeline_;
 };
 
@@ -185,6 +219,29 @@ TEST_F(LivePipelineTest, EveryFrameIsOutOrCounted) {
   expect_that_frames_add_up();
   EXPECT_EQ(pipeline_->counts().no_signal_pictures, 0U);
   EXPECT_EQ(written().size() + pipeline_->outputs()[0]->dropped(), pipeline_->counts().frames_out);
+}
+
+TEST_F(LivePipelineTest, ForTheCpuACameraConvertsItsPictures) {
+  ASSERT_TRUE(frames_come());
+  pipeline_->stop();
+  EXPECT_GT(onlooker_.nv12, 10);
+  EXPECT_EQ(onlooker_.native, 0);
+}
+
+TEST_F(LivePipelineTest, ToTheGpuPicturesGoAsTheCameraLaysThemOut) {
+  start({{}, {}, WarperKind::gles});
+  ASSERT_TRUE(frames_come());
+  EXPECT_TRUE(pipeline_->transfers().starts_with("in copied YUYV, out ")) << pipeline_->transfers();
+  StabilizationSettings filled;
+  filled.latency = 2;
+  filled.border = Border::fill;
+  pipeline_->apply(filled);
+  ASSERT_TRUE(frames_come());
+  pipeline_->stop();
+  expect_that_frames_add_up();
+  EXPECT_GT(onlooker_.native, 10);
+  EXPECT_EQ(onlooker_.wrong, 0);
+  for (const std::uint8_t level : written()) EXPECT_EQ(level, kLevel);
 }
 
 TEST_F(LivePipelineTest, WithoutACameraThePictureSaysSoUntilItIsBack) {

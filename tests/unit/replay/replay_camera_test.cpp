@@ -11,6 +11,7 @@
 #include <sstream>
 #include <thread>
 
+#include "pipeline/pixels/nv12_frame.hpp"
 #include "tests/support/gst_playback.hpp"
 #include "tests/support/gst_registry.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -101,6 +102,22 @@ TEST_P(LosslessVideoTest, DeliversTheVeryPixelsWithTheListsStamps) {
     expect_picture(frames[i], static_cast<std::int64_t>(i));
   }
   EXPECT_TRUE(camera.warnings().empty());
+}
+
+TEST_P(LosslessVideoTest, NothingOfI420MovesWhereNativePicturesAreWanted) {
+  const auto path = folder_.path() / "video.mkv";
+  make_lossless_video(path, 3, std::string(GetParam()) + " ! matroskamux");
+  ReplayCamera camera(path, irregular_stamps(3), 0);
+  ASSERT_TRUE(camera.start());
+  camera.ask_for(PictureForm::native);
+  const auto frames = read_all(camera);
+  ASSERT_EQ(frames.size(), 3U);
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    ASSERT_TRUE(frames[i].native);
+    EXPECT_EQ(frames[i].native->format, NativeFormat::i420);
+    expect_picture(as_nv12(frames[i]), static_cast<std::int64_t>(i));
+  }
+  EXPECT_EQ(camera.bytes_copied(), 0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Encoders, LosslessVideoTest,

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <vector>
 
+#include "pipeline/pixels/nv12_frame.hpp"
 #include "tests/support/fake_v4l2.hpp"
 
 namespace gimbal {
@@ -188,6 +189,57 @@ TEST_F(V4l2SourceTest, OtherLayoutsAreConverted) {
     EXPECT_EQ(pixel(frame, 1, 3, 0), bytes[layout.v]);
     EXPECT_FALSE(frame.dma_buf);
     EXPECT_EQ(camera_->queued(), 8U) << "a buffer whose picture is copied goes back at once";
+  }
+}
+
+TEST_F(V4l2SourceTest, OtherLayoutsStayWhereTheyLieIfTheyAreAskedFor) {
+  struct Layout {
+    std::uint32_t fourcc;
+    NativeFormat format;
+    std::ptrdiff_t stride_bytes;
+  };
+  for (const Layout& layout : {Layout{V4L2_PIX_FMT_YUV420, NativeFormat::i420, 64},
+                               Layout{V4L2_PIX_FMT_YVU420, NativeFormat::i420, 64},
+                               Layout{V4L2_PIX_FMT_YUYV, NativeFormat::yuyv, 128},
+                               Layout{V4L2_PIX_FMT_UYVY, NativeFormat::uyvy, 128}}) {
+    camera_ = std::make_shared<FakeCamera>();
+    camera_->formats = {{layout.fourcc, {kSize}, {30}}};
+    system_->cameras[kPath] = camera_;
+    const VideoFrame converted = next(*started());
+    EXPECT_FALSE(converted.native);
+    const auto source = started();
+    source->ask_for(PictureForm::native);
+    const VideoFrame frame = next(*source);
+    ASSERT_TRUE(frame.native);
+    EXPECT_EQ(frame.planes[0].data, nullptr);
+    EXPECT_FALSE(frame.dma_buf);
+    EXPECT_EQ(frame.native->format, layout.format);
+    EXPECT_EQ(frame.native->planes[0].stride_bytes, layout.stride_bytes);
+    EXPECT_EQ(camera_->queued(), 7U) << "its buffer is the frame's";
+    ASSERT_TRUE(frame.native->dma_buf);
+    EXPECT_GE((*frame.native->dma_buf)[0].fd, 0);
+    const VideoFrame shown = as_nv12(frame);
+    for (const auto& [x, y] : {std::pair{0, 0}, {5, 1}, {62, 23}, {63, 22}}) {
+      EXPECT_EQ(pixel(shown, 0, x, y), pixel(converted, 0, x, y)) << x << "," << y;
+      EXPECT_EQ(pixel(shown, 1, x, y), pixel(converted, 1, x, y)) << x << "," << y;
+    }
+  }
+}
+
+TEST_F(V4l2SourceTest, NativePicturesDoNotStarveTheCamera) {
+  camera_->formats = {{V4L2_PIX_FMT_YUYV, {kSize}, {30}}};
+  settings_.buffers = 4;
+  const auto source = started();
+  source->ask_for(PictureForm::native);
+  std::vector<VideoFrame> held;
+  for (int i = 0; i < 10; ++i) {
+    held.push_back(next(*source));
+    EXPECT_GE(camera_->queued(), 2U);
+    EXPECT_EQ(held.back().native.has_value(), i < 2) << i;
+  }
+  for (std::uint32_t n = 0; n < held.size(); ++n) {
+    EXPECT_EQ(pixel(as_nv12(held[n]), 0, 5, 40), FakeCamera::default_byte(n, 0, 40 * 128 + 10))
+        << n;
   }
 }
 

@@ -151,7 +151,6 @@ TEST_P(NativePictures, AreCopiedAsTheyLie) {
   const WarpMesh mesh = mesh_of_map(size, size, Border::crop, same);
   const auto copied_for = [&](NativeFormat format) {
     const auto warper = make(size);
-    EXPECT_TRUE(warper->takes_native_pictures());
     static_cast<void>(warper->warp(native_picture(format, size, 0), mesh).value());
     EXPECT_EQ(warper->transfers(), "in copied " + std::string(name_of(format)) + ", out copied");
     const std::int64_t out = 101 * 57 + 2 * 51 * 29;
@@ -162,6 +161,15 @@ TEST_P(NativePictures, AreCopiedAsTheyLie) {
   EXPECT_EQ(copied_for(NativeFormat::uyvy), 4 * 51 * 57);
   EXPECT_EQ(copied_for(NativeFormat::rgb), 3 * 101 * 57);
   EXPECT_EQ(copied_for(NativeFormat::bgr), 3 * 101 * 57);
+}
+
+TEST_P(NativePictures, AreWantedOnGpusAndForTests) {
+  const ImageSize size{64, 36};
+  const auto warper = make(size);
+  EXPECT_EQ(warper->takes_native_pictures(), !is_software_renderer(warper->renderer()));
+  const auto always =
+      make_gles_warper(size, size, {Interpolation::bilinear, GetParam(), DmaBufUse::always});
+  EXPECT_TRUE((*always)->takes_native_pictures());
 }
 
 TEST_P(NativePictures, WithoutAPlaneAreRefused) {
