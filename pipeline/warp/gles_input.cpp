@@ -47,6 +47,7 @@ GlesInput::Source GlesInput::bring(const VideoFrame& frame) {
     if (const auto textures = import(frame)) return {*textures, &tools_.import_painter()};
     return copy(frame);
   }
+  if (const auto textures = import(*frame.native)) return {*textures, &tools_.painter};
   if (const auto textures = convert(*frame.native)) return {*textures, &tools_.painter};
   return copy(as_nv12(frame));
 }
@@ -66,12 +67,42 @@ std::optional<std::array<GLuint, 2>> GlesInput::convert(const NativePicture& nat
   return known.input->bring(native.planes);
 }
 
+std::optional<std::array<GLuint, 2>> GlesInput::import(const NativePicture& native) {
+  const bool is_packed = native.format == NativeFormat::yuyv || native.format == NativeFormat::uyvy;
+  if (!tools_.dma_bufs || !native.dma_buf || !is_packed) return std::nullopt;
+  KnownPacking& known = know({native.format, picture_, native.planes[0].stride_bytes});
+  if (!known.import) return std::nullopt;
+  const auto textures = known.import->textures(tools_.dma_bufs->textures, (*native.dma_buf)[0]);
+  if (!textures) {
+    known.import.reset();  // this camera's memory is not like the one that was tried
+    return std::nullopt;
+  }
+  way_ = "dma-buf " + std::string(name_of(native.format));
+  return *textures;
+}
+
+GlesInput::KnownPacking& GlesInput::know(const PackedLayout& layout) {
+  const auto found = std::ranges::find(packings_, layout, &KnownPacking::layout);
+  if (found != packings_.end()) return *found;
+  KnownPacking known = {layout, std::nullopt};
+  const auto view = choose_packed_view(*tools_.dma_bufs, tools_.painter, layout,
+                                       tools_.gles_version, tools_.readback);
+  if (view) {
+    auto import = PackedImport::create(*view, layout, tools_.gles_version);
+    if (import) known.import = std::move(*import);
+  }
+  packings_.push_back(std::move(known));
+  return packings_.back();
+}
+
 GlesInput::KnownFormat& GlesInput::know(NativeFormat format) {
   const auto found = std::ranges::find(formats_, format, &KnownFormat::format);
   if (found != formats_.end()) return *found;
   KnownFormat known = {format, std::nullopt};
-  auto input = NativeInput::create(format, picture_, tools_.gles_version);
-  if (input) known.input = std::move(*input);
+  if (converts_as_the_processor(tools_.painter, format, tools_.gles_version, tools_.readback)) {
+    auto input = NativeInput::create(format, picture_, tools_.gles_version);
+    if (input) known.input = std::move(*input);
+  }
   formats_.push_back(std::move(known));
   return formats_.back();
 }

@@ -9,6 +9,7 @@
 #include "pipeline/sample/video_frame.hpp"
 #include "pipeline/warp/gles_tools.hpp"
 #include "pipeline/warp/native_input.hpp"
+#include "pipeline/warp/packed_import.hpp"
 #include "pipeline/warp/plane_upload.hpp"
 
 namespace gimbal {
@@ -45,8 +46,16 @@ class GlesInput {
     std::optional<NativeInput> input;
   };
 
+  /// Memory of YUYV or UYVY that the GPU can read or not.
+  struct KnownPacking {
+    PackedLayout layout;
+    std::optional<PackedImport> import;
+  };
+
   [[nodiscard]] Source copy(const VideoFrame& nv12);
   [[nodiscard]] std::optional<std::array<GLuint, 2>> convert(const NativePicture& native);
+  [[nodiscard]] std::optional<std::array<GLuint, 2>> import(const NativePicture& native);
+  [[nodiscard]] KnownPacking& know(const PackedLayout& layout);
   [[nodiscard]] KnownFormat& know(NativeFormat format);
   [[nodiscard]] std::optional<std::array<GLuint, 2>> import(const VideoFrame& frame);
   [[nodiscard]] KnownLayout& know(const PictureLayout& layout);
@@ -55,6 +64,7 @@ class GlesInput {
   ImageSize picture_;
   std::array<PlaneUpload, 2> uploads_;
   std::vector<KnownLayout> layouts_;
+  std::vector<KnownPacking> packings_;
   std::vector<KnownFormat> formats_;
   std::string way_ = "copied";
   std::int64_t bytes_copied_ = 0;

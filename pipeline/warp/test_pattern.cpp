@@ -34,6 +34,17 @@ bool shows_pattern(ConstPlane memory, ImageSize picture, Plane plane) {
   return true;
 }
 
+bool are_alike(ConstPlane a, ConstPlane b, ImageSize picture, Plane plane) {
+  for (int y = 0; y < plane_size(picture, plane).height; ++y) {
+    const std::uint8_t* row_a = a.data + y * a.stride_bytes;
+    const std::uint8_t* row_b = b.data + y * b.stride_bytes;
+    for (int x = 0; x < row_bytes(picture, plane); ++x) {
+      if (std::abs(row_a[x] - row_b[x]) > 1) return false;
+    }
+  }
+  return true;
+}
+
 MutablePlane plane_of(const Nv12Buffer& picture, Plane plane) {
   return plane == Plane::luma ? picture.luma() : picture.chroma();
 }

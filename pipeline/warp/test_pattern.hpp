@@ -12,6 +12,9 @@ namespace gimbal {
 void draw_pattern(MutablePlane memory, ImageSize picture, Plane plane);
 [[nodiscard]] bool shows_pattern(ConstPlane memory, ImageSize picture, Plane plane);
 
+/// Whether two such planes differ by rounding at most.
+[[nodiscard]] bool are_alike(ConstPlane a, ConstPlane b, ImageSize picture, Plane plane);
+
 [[nodiscard]] MutablePlane plane_of(const Nv12Buffer& picture, Plane plane);
 
 /// One cell that leaves every pixel where it is.

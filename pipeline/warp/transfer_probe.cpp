@@ -2,9 +2,14 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <utility>
+#include <vector>
 
+#include "pipeline/pixels/nv12_frame.hpp"
 #include "pipeline/warp/draw_plane.hpp"
+#include "pipeline/warp/native_input.hpp"
 #include "pipeline/warp/plane_upload.hpp"
 #include "pipeline/warp/test_pattern.hpp"
 
@@ -14,6 +19,7 @@ namespace {
 constexpr ImageSize kSmallPicture{13, 6};  // odd, and no multiple of what is packed into a texel
 constexpr std::array kPlanes = {Plane::luma, Plane::chroma};
 constexpr std::array kViews = {PlaneView::pixels, PlaneView::bytes, PlaneView::packed};
+constexpr std::array kPackedViews = {PlaneView::pixels, PlaneView::packed};
 
 ConstPlane read_only(MutablePlane plane) {
   return {plane.data, plane.stride_bytes};
@@ -63,6 +69,54 @@ bool reads_dma_buf(DmaBufs& dma_bufs, MeshPainter& painter, const Nv12Buffer& pa
   return glGetError() == GL_NO_ERROR;
 }
 
+/// A picture of that layout whose bytes are the pattern's; nothing where there is no memory.
+std::optional<Nv12Buffer> packed_pattern(const DmaBufHeap& heap, const PackedLayout& layout) {
+  // The luma of a picture as wide as the rows are long.
+  const ImageSize bytes = {4 * chroma_size(layout.size).width, layout.size.height};
+  if (layout.stride_bytes < bytes.width) return std::nullopt;
+  auto memory = heap.allocate(
+      {bytes, layout.stride_bytes, layout.stride_bytes, layout.stride_bytes * bytes.height});
+  if (!memory) return std::nullopt;
+  begin_writing(*memory);
+  draw_pattern(memory->luma(), bytes, Plane::luma);
+  end_writing(*memory);
+  return *std::move(memory);
+}
+
+VideoFrame converted(const Nv12Buffer& packed, const PackedLayout& layout) {
+  VideoFrame frame;
+  frame.size = layout.size;
+  frame.native = NativePicture{layout.format, {read_only(packed.luma())}};
+  begin_reading(packed);
+  VideoFrame nv12 = as_nv12(frame);
+  end_reading(packed);
+  return nv12;
+}
+
+/// Whether the textures of a picture in NV12 show it.
+bool show(const std::array<GLuint, 2>& textures, const VideoFrame& nv12, MeshPainter& painter,
+          int gles_version, Readback readback) {
+  for (const Plane plane : kPlanes) {
+    const auto index = static_cast<std::size_t>(plane);
+    auto drawn = PlaneReadback::create(plane, nv12.size, gles_version, readback);
+    if (!drawn) return false;
+    draw_as_it_is(painter, nv12.size, plane, {textures[index], drawn->framebuffer()});
+    const Nv12Buffer result(nv12.size);
+    drawn->read(plane_of(result, plane));
+    if (!are_alike(read_only(plane_of(result, plane)), nv12.planes[index], nv12.size, plane))
+      return false;
+  }
+  return glGetError() == GL_NO_ERROR;
+}
+
+bool reads_packed(DmaBufs& dma_bufs, MeshPainter& painter, const Nv12Buffer& pattern,
+                  const PackedLayout& layout, PlaneView view, int gles_version, Readback readback) {
+  auto import = PackedImport::create(view, layout, gles_version);
+  if (!import) return false;
+  const auto textures = import->textures(dma_bufs.textures, (*pattern.dma_buf())[0]);
+  return textures && show(*textures, converted(pattern, layout), painter, gles_version, readback);
+}
+
 bool draws_dma_buf(DmaBufs& dma_bufs, MeshPainter& painter, const Nv12Buffer& picture,
                    PlaneView view, int gles_version) {
   const ImageSize size = picture.size();
@@ -87,10 +141,11 @@ bool draws_dma_buf(DmaBufs& dma_bufs, MeshPainter& painter, const Nv12Buffer& pi
   return is_drawn && glGetError() == GL_NO_ERROR;
 }
 
-/// The first view that `works`. Nothing of the test pictures is kept.
+/// The first of the views that `works`. Nothing of the test pictures is kept.
 template <typename Works>
-std::optional<PlaneView> first_view(DmaBufs& dma_bufs, Works&& works) {
-  for (const PlaneView view : kViews) {
+std::optional<PlaneView> first_view(std::span<const PlaneView> views, DmaBufs& dma_bufs,
+                                    Works&& works) {
+  for (const PlaneView view : views) {
     const bool is_usable = works(view);
     dma_bufs.textures.forget_all();
     forget_errors();
@@ -126,15 +181,45 @@ std::optional<PlaneView> choose_source_view(DmaBufs& dma_bufs, MeshPainter& pain
   begin_writing(*pattern);
   for (const Plane plane : kPlanes) draw_pattern(plane_of(*pattern, plane), layout.size, plane);
   end_writing(*pattern);
-  return first_view(dma_bufs, [&](PlaneView view) {
+  return first_view(kViews, dma_bufs, [&](PlaneView view) {
     return reads_dma_buf(dma_bufs, painter, *pattern, view, gles_version, readback);
   });
+}
+
+std::optional<PlaneView> choose_packed_view(DmaBufs& dma_bufs, MeshPainter& painter,
+                                            const PackedLayout& layout, int gles_version,
+                                            Readback readback) {
+  const auto pattern = packed_pattern(dma_bufs.heap, layout);
+  if (!pattern) return std::nullopt;
+  return first_view(kPackedViews, dma_bufs, [&](PlaneView view) {
+    return reads_packed(dma_bufs, painter, *pattern, layout, view, gles_version, readback);
+  });
+}
+
+bool converts_as_the_processor(MeshPainter& painter, NativeFormat format, int gles_version,
+                               Readback readback) {
+  auto input = NativeInput::create(format, kSmallPicture, gles_version);
+  if (!input) return false;
+  constexpr ImageSize kBytes{64, 3 * kSmallPicture.height};  // a third for each plane
+  std::vector<std::uint8_t> bytes(static_cast<std::size_t>(kBytes.width * kBytes.height));
+  draw_pattern({bytes.data(), kBytes.width}, kBytes, Plane::luma);
+  VideoFrame pattern;
+  pattern.size = kSmallPicture;
+  NativePicture& native = pattern.native.emplace();
+  native.format = format;
+  for (std::size_t i = 0; i < native.planes.size(); ++i) {
+    native.planes[i] = {bytes.data() + i * bytes.size() / native.planes.size(), kBytes.width};
+  }
+  const bool is_alike =
+      show(input->bring(native.planes), as_nv12(pattern), painter, gles_version, readback);
+  forget_errors();
+  return is_alike;
 }
 
 std::optional<PlaneView> choose_target_view(DmaBufs& dma_bufs, MeshPainter& painter,
                                             ImageSize picture, int gles_version) {
   const PictureLayout layout = padded_layout(picture);
-  return first_view(dma_bufs, [&](PlaneView view) {
+  return first_view(kViews, dma_bufs, [&](PlaneView view) {
     // Each its own memory, or what one view has drawn would be found by the next.
     const auto memory = dma_bufs.heap.allocate(layout);
     return memory && draws_dma_buf(dma_bufs, painter, *memory, view, gles_version);

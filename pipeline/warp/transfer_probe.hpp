@@ -8,6 +8,7 @@
 #include "pipeline/warp/dma_buf_texture.hpp"
 #include "pipeline/warp/gl_fence.hpp"
 #include "pipeline/warp/mesh_painter.hpp"
+#include "pipeline/warp/packed_import.hpp"
 #include "pipeline/warp/plane_readback.hpp"
 
 namespace gimbal {
@@ -31,6 +32,16 @@ struct DmaBufs {
 [[nodiscard]] std::optional<PlaneView> choose_source_view(DmaBufs& dma_bufs, MeshPainter& painter,
                                                           const PictureLayout& layout,
                                                           int gles_version, Readback readback);
+
+/// The same for pictures of YUYV and UYVY. `painter` is for texture_channels.
+[[nodiscard]] std::optional<PlaneView> choose_packed_view(DmaBufs& dma_bufs, MeshPainter& painter,
+                                                          const PackedLayout& layout,
+                                                          int gles_version, Readback readback);
+
+/// Whether a small native picture that is copied to the GPU comes out as the CPU converts it, by
+/// rounding at most. `painter` is for texture_channels.
+[[nodiscard]] bool converts_as_the_processor(MeshPainter& painter, NativeFormat format,
+                                             int gles_version, Readback readback);
 
 /// The view in which pictures of this size are drawn into a dma-buf of padded_layout, and come out
 /// there as they were; nothing where none is. `painter` is for texture_channels.

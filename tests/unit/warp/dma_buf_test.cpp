@@ -13,8 +13,10 @@
 #include <utility>
 #include <vector>
 
+#include "pipeline/pixels/nv12_frame.hpp"
 #include "pipeline/warp/draw_plane.hpp"
 #include "pipeline/warp/egl_context.hpp"
+#include "pipeline/warp/packed_import.hpp"
 #include "pipeline/warp/plane_format.hpp"
 #include "pipeline/warp/plane_upload.hpp"
 #include "pipeline/warp/test_pattern.hpp"
@@ -86,6 +88,25 @@ class DmaBufTest : public testing::TestWithParam<GlesVersion> {
     return std::move(memory).publish(frame.stamp, frame.color);
   }
 
+  /// A native picture of one plane.
+  [[nodiscard]] VideoFrame packed_in_dma_buf(const VideoFrame& native) const {
+    const ConstPlane from = native.native->planes[0];
+    const ImageSize bytes{static_cast<int>(from.stride_bytes), native.size.height};
+    const Nv12Buffer memory = heap_
+                                  ->allocate({bytes, from.stride_bytes, from.stride_bytes,
+                                              from.stride_bytes * bytes.height})
+                                  .value();
+    begin_writing(memory);
+    std::memcpy(memory.luma().data, from.data,
+                static_cast<std::size_t>(from.stride_bytes * bytes.height));
+    end_writing(memory);
+    VideoFrame frame = native;
+    frame.native->planes[0].data = memory.luma().data;
+    frame.native->dma_buf = {{(*memory.dma_buf())[0]}};
+    frame.storage = std::make_shared<const VideoFrame>(Nv12Buffer(memory).publish({}, {}));
+    return frame;
+  }
+
   [[nodiscard]] std::unique_ptr<Warper> warper(ImageSize size, DmaBufUse use,
                                                Interpolation interpolation) const {
     return make_gles_warper(size, size, {interpolation, GetParam(), use}).value();
@@ -144,6 +165,25 @@ TEST_P(DmaBufTest, ShowsWhatCopiesShow) {
       expect_alike(*warper(size, DmaBufUse::never, interpolation), *sharing, size);
       EXPECT_EQ(sharing->bytes_copied(), 0);
       EXPECT_EQ(sharing->transfers(), "in dma-buf R8+GR88, out dma-buf R8+GR88");
+    }
+  }
+}
+
+TEST_P(DmaBufTest, ShowsPackedPicturesAsTheirConversion) {
+  for (const ImageSize size : {ImageSize{322, 182}, ImageSize{101, 57}}) {
+    const auto copying = warper(size, DmaBufUse::never, Interpolation::bilinear);
+    const WarpMesh mesh = shaky_mesh(size, size, Border::crop, View::zoomed_out);
+    for (const NativeFormat format : {NativeFormat::yuyv, NativeFormat::uyvy}) {
+      const auto sharing = warper(size, DmaBufUse::always, Interpolation::bilinear);
+      for (const int padding : {0, 64, 768 - 4 * chroma_size(size).width % 256}) {
+        const VideoFrame native = native_picture(format, size, padding);
+        const VideoFrame drawn = sharing->warp(packed_in_dma_buf(native), mesh).value();
+        EXPECT_LE(largest_difference(drawn, copying->warp(as_nv12(native), mesh).value()), 1)
+            << name_of(format) << ", " << size.width << ", padding " << padding;
+        EXPECT_EQ(sharing->transfers(),
+                  "in dma-buf " + std::string(name_of(format)) + ", out dma-buf R8+GR88");
+      }
+      EXPECT_EQ(sharing->bytes_copied(), 0);
     }
   }
 }
@@ -217,6 +257,39 @@ TEST_P(DmaBufTest, EveryViewGivesThePictureAsItIs) {
   }
 }
 
+TEST_P(DmaBufTest, EveryViewGivesAPackedPictureAsItsConversion) {
+  const auto context = EglContext::create(GetParam()).value();
+  const int version = context->major_version();
+  auto painter = MeshPainter::create(texture_channels(version), Interpolation::bilinear).value();
+  const Readback readback = choose_readback(painter, version).value();
+  DmaBufs dma_bufs{*heap_, DmaBufTextures::create(context->display()).value(),
+                   GlFence(context->display())};
+  for (const ImageSize size : {ImageSize{640, 360}, ImageSize{101, 57}, ImageSize{1922, 30}}) {
+    const VideoFrame native = native_picture(NativeFormat::uyvy, size, 64);
+    const VideoFrame expected = as_nv12(native);
+    const VideoFrame memory = packed_in_dma_buf(native);
+    for (const PlaneView view : {PlaneView::pixels, PlaneView::packed}) {
+      auto import =
+          PackedImport::create(
+              view, {NativeFormat::uyvy, size, memory.native->planes[0].stride_bytes}, version)
+              .value();
+      const auto textures =
+          import.textures(dma_bufs.textures, (*memory.native->dma_buf)[0]).value();
+      for (const Plane plane : kPlanes) {
+        const auto index = static_cast<std::size_t>(plane);
+        auto drawn = PlaneReadback::create(plane, size, version, readback).value();
+        draw_plane(painter, identity_mesh(size), plane, ChromaSiting::left, {0, 0},
+                   {textures[index], drawn.framebuffer()});
+        const Nv12Buffer result(size);
+        drawn.read(plane_of(result, plane));
+        EXPECT_TRUE(
+            are_alike(read_only(plane_of(result, plane)), expected.planes[index], size, plane))
+            << size.width << " wide, view " << static_cast<int>(view) << ", plane " << index;
+      }
+    }
+  }
+}
+
 TEST_P(DmaBufTest, ARendererThatReadsWronglyIsNotBelieved) {
   const auto context = EglContext::create(GetParam()).value();
   const int version = context->major_version();
@@ -225,10 +298,13 @@ TEST_P(DmaBufTest, ARendererThatReadsWronglyIsNotBelieved) {
   DmaBufs dma_bufs{*heap_, DmaBufTextures::create(context->display()).value(),
                    GlFence(context->display())};
   const PictureLayout layout = padded_layout({320, 180});
+  const PackedLayout packed = {NativeFormat::yuyv, {320, 180}, 640};
+  EXPECT_EQ(choose_packed_view(dma_bufs, painter, packed, version, readback), PlaneView::pixels);
   auto right = MeshPainter::create(kImportedChannels, Interpolation::bilinear).value();
   EXPECT_EQ(choose_source_view(dma_bufs, right, layout, version, readback), PlaneView::pixels);
   auto swapped = MeshPainter::create("gr", Interpolation::bilinear).value();
   EXPECT_FALSE(choose_source_view(dma_bufs, swapped, layout, version, readback));
+  EXPECT_FALSE(choose_packed_view(dma_bufs, swapped, packed, version, readback));
 }
 
 std::string version_name(const testing::TestParamInfo<GlesVersion>& version) {

@@ -21,49 +21,6 @@ namespace {
 constexpr std::array kFormats = {NativeFormat::i420, NativeFormat::yuyv, NativeFormat::uyvy,
                                  NativeFormat::rgb, NativeFormat::bgr};
 
-/// Bytes of a row, and rows, of each plane.
-std::vector<ImageSize> planes_of(NativeFormat format, ImageSize size) {
-  const ImageSize chroma = chroma_size(size);
-  switch (format) {
-    case NativeFormat::i420:
-      return {size, chroma, chroma};
-    case NativeFormat::yuyv:
-    case NativeFormat::uyvy:
-      return {{4 * chroma.width, size.height}};
-    default:
-      return {{3 * size.width, size.height}};
-  }
-}
-
-/// A picture whose bytes are those of a scene, so that there are edges and noise in each channel.
-/// `padding`: bytes between rows, which no picture may show.
-VideoFrame native_picture(NativeFormat format, ImageSize size, int padding) {
-  auto memory = std::make_shared<std::vector<std::vector<std::uint8_t>>>();
-  VideoFrame frame;
-  frame.size = size;
-  frame.color = {"bt709", ChromaSiting::left};
-  frame.native = NativePicture{format, {}};
-  std::size_t index = 0;
-  for (const ImageSize plane : planes_of(format, size)) {
-    const VideoFrame scene = make_picture(plane, {});
-    const std::ptrdiff_t stride = plane.width + padding;
-    std::vector<std::uint8_t>& bytes =
-        memory->emplace_back(static_cast<std::size_t>(stride * plane.height), 0xEE);
-    for (int y = 0; y < plane.height; ++y) {
-      const std::uint8_t* row = scene.planes[0].data + y * scene.planes[0].stride_bytes;
-      // Each plane the other way round than the one before, so that none can stand for another.
-      if (index % 2 == 0) {
-        std::copy_n(row, plane.width, bytes.data() + y * stride);
-      } else {
-        std::reverse_copy(row, row + plane.width, bytes.data() + y * stride);
-      }
-    }
-    frame.native->planes[index++] = {bytes.data(), stride};
-  }
-  frame.storage = memory;
-  return frame;
-}
-
 int largest_difference(const VideoFrame& a, const VideoFrame& b) {
   int largest = 0;
   for (int plane = 0; plane < 2; ++plane) {

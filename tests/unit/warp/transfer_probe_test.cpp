@@ -30,6 +30,20 @@ TEST(ReadbackProbe, RefusesARendererThatDrawsWrongly) {
   EXPECT_EQ(swapped.error().kind, Error::Kind::failed);
 }
 
+TEST(ConversionProbe, BelievesNoRendererThatDrawsWrongly) {
+  const auto context = EglContext::create(GlesVersion::best).value();
+  const int version = context->major_version();
+  MeshPainter right =
+      MeshPainter::create(texture_channels(version), Interpolation::bilinear).value();
+  MeshPainter swapped = MeshPainter::create("gr", Interpolation::bilinear).value();
+  const Readback readback = choose_readback(right, version).value();
+  for (const NativeFormat format : {NativeFormat::i420, NativeFormat::yuyv, NativeFormat::uyvy,
+                                    NativeFormat::rgb, NativeFormat::bgr}) {
+    EXPECT_TRUE(converts_as_the_processor(right, format, version, readback)) << name_of(format);
+    EXPECT_FALSE(converts_as_the_processor(swapped, format, version, readback)) << name_of(format);
+  }
+}
+
 TEST(MeshPainter, SaysWhatTheShaderCompilerSays) {
   const auto context = EglContext::create(GlesVersion::best).value();
   const auto painter = MeshPainter::create("no_such_channels", Interpolation::bilinear);

@@ -37,6 +37,10 @@ enum class View : std::uint8_t {
 /// Gradients, sharp edges and noise of every scale in all planes, full contrast; seeded.
 [[nodiscard]] VideoFrame make_picture(ImageSize size, const ColorInfo& color);
 
+/// A picture whose bytes are those of a scene, so that there are edges and noise in each channel.
+/// `padding`: bytes between rows, which no picture may show.
+[[nodiscard]] VideoFrame native_picture(NativeFormat format, ImageSize size, int padding);
+
 /// The same picture with other distances between its rows, which may be negative.
 [[nodiscard]] VideoFrame with_strides(const VideoFrame& frame, std::ptrdiff_t luma_stride,
                                       std::ptrdiff_t chroma_stride);
