@@ -401,9 +401,10 @@ Result<VideoFrame> LivePipeline::draw_one(std::unique_ptr<Warper>& warper, const
 
 /// Which way pictures take to the GPU and back is known once one was drawn.
 void LivePipeline::tell_transfers(const Warper& warper) {
-  std::string transfers = warper.transfers();
+  const std::string_view transfers = warper.transfers();
+  if (transfers == transfers_) return;  // which only this thread writes
   const std::lock_guard lock(mutex_);
-  transfers_ = std::move(transfers);
+  transfers_ = transfers;
 }
 
 Result<VideoFrame> LivePipeline::draw_with(Warper& warper, const Drawing& drawing) {

@@ -369,7 +369,7 @@ Result<void> Job::finish() {
   report_.frames_dropped = report_.frames_in - report_.frames_out;
   report_.warper = warper_ ? warper_->name() : "none";
   report_.renderer = warper_ ? warper_->renderer() : "";
-  report_.transfers = warper_ ? warper_->transfers() : "";
+  report_.transfers = warper_ ? std::string(warper_->transfers()) : "";
   report_.copied.decode = source_->bytes_copied();
   report_.copied.warp += (warper_ ? warper_->bytes_copied() : 0) + fill_.bytes_copied();
   report_.copied.encode = sink_->bytes_copied().value_or(0);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "pipeline/pixels/nv12_frame.hpp"
 #include "pipeline/warp/band_workers.hpp"
@@ -45,18 +46,20 @@ class CpuWarper final : public Warper {
         chroma_(Plane::chroma, interpolation),
         workers_(chosen_threads(threads)) {}
 
-  Result<VideoFrame> warp(const VideoFrame& source, const WarpMesh& mesh) override {
-    if (auto checked = check_warp_input(source, mesh); !checked) {
-      return tl::unexpected(checked.error());
-    }
-    if (source.native) return warp(as_nv12(source), mesh);
+  Result<void> begin(const VideoFrame& source, const WarpMesh& mesh) override {
+    if (auto checked = check_warp_input(source, mesh); !checked) return checked;
+    if (source.native) return begin(as_nv12(source), mesh);
     Nv12Buffer picture = pool_.take(mesh.output_size);
     const BlackLevel black = black_level(source.color);
     luma_.begin(mesh, source, picture.luma(), {black.luma, black.luma});
     chroma_.begin(mesh, source, picture.chroma(), black.chroma);
     draw();
-    return pool_.publish(std::move(picture), source.stamp, source.color);
+    drawn_ = pool_.publish(std::move(picture), source.stamp, source.color);
+    return {};
   }
+
+  Result<VideoFrame> finish() override { return std::exchange(drawn_, {}); }
+  [[nodiscard]] std::size_t most_in_flight() const override { return 1; }
 
   [[nodiscard]] std::int64_t bytes_copied() const override { return 0; }
   [[nodiscard]] std::string name() const override { return "cpu"; }
@@ -85,6 +88,7 @@ class CpuWarper final : public Warper {
   PlaneDrawing luma_;
   PlaneDrawing chroma_;
   PicturePool pool_;
+  VideoFrame drawn_;
   BandWorkers workers_;
 };
 

@@ -44,11 +44,11 @@ GlesInput::GlesInput(GlesTools& tools, ImageSize picture)
 
 GlesInput::Source GlesInput::bring(const VideoFrame& frame) {
   if (!frame.native) {
-    if (const auto textures = import(frame)) return {*textures, &tools_.import_painter()};
+    if (const auto textures = import(frame)) return {*textures, &tools_.import_painter(), true};
     return copy(frame);
   }
-  if (const auto textures = import(*frame.native)) return {*textures, &tools_.painter};
-  if (const auto textures = convert(*frame.native)) return {*textures, &tools_.painter};
+  if (const auto textures = import(*frame.native)) return {*textures, &tools_.painter, true};
+  if (const auto textures = convert(*frame.native)) return {*textures, &tools_.painter, false};
   return copy(as_nv12(frame));
 }
 
@@ -56,7 +56,8 @@ GlesInput::Source GlesInput::copy(const VideoFrame& nv12) {
   way_ = "copied";
   bytes_copied_ += nv12_bytes(nv12.size);
   return {{uploads_[0].upload(nv12.planes[0]), uploads_[1].upload(nv12.planes[1])},
-          &tools_.painter};
+          &tools_.painter,
+          false};
 }
 
 std::optional<std::array<GLuint, 2>> GlesInput::convert(const NativePicture& native) {

@@ -23,6 +23,7 @@ class GlesInput {
   struct Source {
     std::array<GLuint, 2> textures{};
     MeshPainter* painter = nullptr;  ///< that knows where these have their values
+    bool is_imported = false;        ///< the frame's own memory is drawn from
   };
   /// The textures are the frame's until the next call.
   [[nodiscard]] Source bring(const VideoFrame& frame);

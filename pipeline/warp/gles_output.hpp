@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "pipeline/sample/video_frame.hpp"
 #include "pipeline/warp/gles_tools.hpp"
@@ -11,16 +12,30 @@
 namespace gimbal {
 
 /// Where pictures of one size are drawn, and how they get from there to memory: straight into
-/// dma-bufs, where the GPU does; else by reading back.
+/// dma-bufs, where the GPU does; else by reading back. Any number may be on their way.
 class GlesOutput {
  public:
+  using Readbacks = std::array<PlaneReadback, 2>;  ///< of luma and chroma
+
+  /// One that is on its way.
+  struct Picture {
+    Nv12Buffer memory;
+    std::array<GLuint, 2> framebuffers{};  ///< that luma and chroma are drawn into
+    std::optional<Readbacks> readbacks;    ///< where it is read back
+    std::optional<GlFence> fence;          ///< where it is drawn into its memory
+  };
+
   [[nodiscard]] static Result<GlesOutput> create(GlesTools& tools, ImageSize picture);
 
-  /// Framebuffers of luma and chroma for the next picture.
-  [[nodiscard]] std::array<GLuint, 2> begin();
+  /// The next one, to be drawn.
+  [[nodiscard]] Result<Picture> begin();
 
-  /// Once both are drawn: waits for the GPU. The frame's memory comes back when it is let go.
-  [[nodiscard]] Result<VideoFrame> finish(const FrameStamp& stamp, const ColorInfo& color);
+  /// Once both planes are drawn: gives the GPU all that is left to do.
+  [[nodiscard]] Result<void> send(Picture& picture);
+
+  /// Waits until it is in memory, which comes back when the frame is let go.
+  [[nodiscard]] Result<VideoFrame> finish(Picture picture, const FrameStamp& stamp,
+                                          const ColorInfo& color);
 
   [[nodiscard]] std::int64_t bytes_copied() const { return bytes_copied_; }
 
@@ -28,19 +43,19 @@ class GlesOutput {
   [[nodiscard]] std::optional<PlaneView> view() const { return view_; }
 
  private:
-  GlesOutput(GlesTools& tools, ImageSize picture, std::array<PlaneReadback, 2> readbacks);
+  GlesOutput(GlesTools& tools, ImageSize picture) : tools_(&tools), size_(picture) {}
+  [[nodiscard]] Result<void> make_readbacks();
   void draw_into_dma_bufs();
-  [[nodiscard]] std::optional<std::array<GLuint, 2>> begin_dma_buf();
+  [[nodiscard]] std::optional<Picture> begin_dma_buf();
   void give_up_dma_bufs();
-  [[nodiscard]] Result<void> complete();
+  [[nodiscard]] Result<void> complete(Picture& picture);
 
   GlesTools* tools_;
   ImageSize size_;
-  std::array<PlaneReadback, 2> readbacks_;
+  std::vector<Readbacks> readbacks_;  ///< that no picture has
   std::optional<PlaneView> view_;
   std::optional<DmaBufTargets> targets_;  ///< while there is a view
   PicturePool pool_;
-  std::optional<Nv12Buffer> picture_;  ///< that is being drawn
   std::int64_t bytes_copied_ = 0;
 };
 

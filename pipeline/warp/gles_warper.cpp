@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cctype>
+#include <cstddef>
+#include <deque>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -12,6 +15,7 @@
 #include "pipeline/warp/gles_input.hpp"
 #include "pipeline/warp/gles_output.hpp"
 #include "pipeline/warp/gles_tools.hpp"
+#include "pipeline/warp/in_flight.hpp"
 #include "pipeline/warp/plane_format.hpp"
 #include "pipeline/warp/warp_input.hpp"
 #include "pipeline/warp/warper.hpp"
@@ -52,16 +56,25 @@ class GlesWarper final : public Warper {
     if (!context_->make_current()) eglReleaseThread();
   }
 
-  Result<VideoFrame> warp(const VideoFrame& source, const WarpMesh& mesh) override {
-    if (auto checked = check_warp_input(source, mesh); !checked) {
-      return tl::unexpected(checked.error());
-    }
+  [[nodiscard]] std::size_t most_in_flight() const override { return kMostInFlight; }
+
+  Result<void> begin(const VideoFrame& source, const WarpMesh& mesh) override {
+    if (auto checked = check_warp_input(source, mesh); !checked) return checked;
+    if (auto current = context_->make_current(); !current) return current;
+    if (auto ready = prepare(source.size, mesh.output_size); !ready) return ready;
+    auto drawing = draw(source, mesh);
+    if (auto checked = context_->check("drawing a frame"); !checked) return checked;
+    if (!drawing) return tl::unexpected(drawing.error());
+    in_flight_.push_back(*std::move(drawing));
+    return {};
+  }
+
+  Result<VideoFrame> finish() override {
+    Drawing drawing = std::move(in_flight_.front());
+    in_flight_.pop_front();
     if (auto current = context_->make_current(); !current) return tl::unexpected(current.error());
-    if (auto ready = prepare(source.size, mesh.output_size); !ready) {
-      return tl::unexpected(ready.error());
-    }
-    auto drawn = draw(source, mesh);
-    if (auto checked = context_->check("drawing a frame"); !checked) {
+    auto drawn = output_->finish(std::move(drawing.picture), drawing.stamp, drawing.color);
+    if (auto checked = context_->check("reading a picture"); !checked) {
       return tl::unexpected(checked.error());
     }
     return drawn;
@@ -78,17 +91,12 @@ class GlesWarper final : public Warper {
   [[nodiscard]] bool takes_native_pictures() const override { return tools_.takes_native_pictures; }
   [[nodiscard]] std::string name() const override { return "gles"; }
   [[nodiscard]] std::string renderer() const override { return renderer_; }
-  [[nodiscard]] std::string transfers() const override {
-    const auto text = [](std::optional<PlaneView> view) {
-      return view ? std::string(dma_buf_text(*view)) : "copied";
-    };
-    return fmt::format("in {}, out {}", input_ ? input_->way() : "copied",
-                       text(output_ ? output_->view() : std::nullopt));
-  }
+  [[nodiscard]] std::string_view transfers() const override { return transfers_; }
 
   /// Makes the textures for these sizes, unless they are there already.
   [[nodiscard]] Result<void> prepare(ImageSize source, ImageSize output) {
     if (input_ && source == source_size_ && output == output_size_) return {};
+    if (!in_flight_.empty()) return failed("gles: frames of another size are still being drawn");
     bytes_copied_before_ = bytes_copied();
     input_.reset();
     output_.reset();
@@ -105,19 +113,39 @@ class GlesWarper final : public Warper {
   }
 
  private:
-  /// Both planes are on their way before the first is waited for.
-  [[nodiscard]] Result<VideoFrame> draw(const VideoFrame& frame, const WarpMesh& mesh) {
+  /// A frame that the GPU was given.
+  struct Drawing {
+    FrameStamp stamp;
+    ColorInfo color;
+    std::shared_ptr<const void> memory;  ///< that the GPU reads the frame from
+    GlesOutput::Picture picture;
+  };
+
+  [[nodiscard]] Result<Drawing> draw(const VideoFrame& frame, const WarpMesh& mesh) {
     const BlackLevel black = black_level(frame.color);
     const ChromaSiting siting = frame.color.chroma_siting;
     const GlesInput::Source source = input_->bring(frame);
-    const std::array<GLuint, 2> targets = output_->begin();
+    auto picture = output_->begin();
+    if (!picture) return tl::unexpected(picture.error());
+    const auto& targets = picture->framebuffers;
     draw_plane(*source.painter, mesh, Plane::luma, siting, {black.luma, 0},
                {source.textures[0], targets[0]});
     draw_plane(*source.painter, mesh, Plane::chroma, siting, black.chroma,
                {source.textures[1], targets[1]});
-    auto drawn = output_->finish(frame.stamp, frame.color);
+    if (auto sent = output_->send(*picture); !sent) return tl::unexpected(sent.error());
+    tell_transfers();
     if (tools_.dma_bufs) tools_.dma_bufs->textures.forget_unused();
-    return drawn;
+    return Drawing{frame.stamp, frame.color, source.is_imported ? frame.storage : nullptr,
+                   *std::move(picture)};
+  }
+
+  /// Makes the text only where something has changed.
+  void tell_transfers() {
+    const auto view = output_->view();
+    if (!transfers_.empty() && input_->way() == way_in_ && view == view_out_) return;
+    way_in_ = input_->way();
+    view_out_ = view;
+    transfers_ = fmt::format("in {}, out {}", way_in_, view ? dma_buf_text(*view) : "copied");
   }
 
   std::unique_ptr<EglContext> context_;  // outlives what is made in it
@@ -127,6 +155,10 @@ class GlesWarper final : public Warper {
   ImageSize output_size_;
   std::optional<GlesInput> input_;
   std::optional<GlesOutput> output_;
+  std::deque<Drawing> in_flight_;
+  std::string way_in_;  ///< of the last frame, as is the view
+  std::optional<PlaneView> view_out_;
+  std::string transfers_;                 ///< these as text
   std::int64_t bytes_copied_before_ = 0;  ///< with sizes that are gone
 };
 
@@ -151,7 +183,7 @@ std::optional<DmaBufs> open_dma_bufs(const EglDisplay& display) {
   if (!heap) return std::nullopt;
   auto textures = DmaBufTextures::create(display);
   if (!textures) return std::nullopt;
-  return DmaBufs{std::move(*heap), std::move(*textures), GlFence(display)};
+  return DmaBufs{std::move(*heap), std::move(*textures), GlFences(display)};
 }
 
 Result<GlesTools> make_tools(const EglContext& context, const GlesOptions& options) {

@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "pipeline/warp/plane_format.hpp"
 #include "pipeline/warp/shaders.hpp"
 
 namespace gimbal {
@@ -25,13 +24,6 @@ Result<PlanePacker> PlanePacker::create(Plane plane, int bytes_per_texel) {
       .map([](GlProgram program) { return PlanePacker(std::move(program)); });
 }
 
-void PlanePacker::resize(ImageSize packed_size) {
-  if (packed_size == packed_size_) return;
-  packed_ = make_texture(packed_size, kRgbaFormat, GL_NEAREST);
-  framebuffer_ = make_framebuffer(packed_);
-  packed_size_ = packed_size;
-}
-
 void PlanePacker::pack(GLuint drawn, ImageSize size, GLuint target, ImageSize packed_size) {
   glBindFramebuffer(GL_FRAMEBUFFER, target);
   glViewport(0, 0, packed_size.width, packed_size.height);
@@ -40,14 +32,6 @@ void PlanePacker::pack(GLuint drawn, ImageSize size, GLuint target, ImageSize pa
   set_uniform(program_, "packed_size", packed_size);
   glBindTexture(GL_TEXTURE_2D, drawn);
   draw_corners(program_, corners_);
-}
-
-void PlanePacker::read(const GlTexture& drawn, ImageSize size, MutablePlane output) {
-  // As wide as the output's rows with their padding: then one call reads all of them.
-  resize({static_cast<int>(output.stride_bytes) / kRgbaFormat.bytes_per_pixel, size.height});
-  pack(drawn.name(), size, framebuffer_.name(), packed_size_);
-  glReadPixels(0, 0, packed_size_.width, packed_size_.height, GL_RGBA, GL_UNSIGNED_BYTE,
-               output.data);
 }
 
 }  // namespace gimbal

@@ -18,18 +18,11 @@ class PlanePacker {
   /// `packed_size`.
   void pack(GLuint drawn, ImageSize size, GLuint target, ImageSize packed_size);
 
-  /// Packs and reads, four bytes a texel. The output's stride is a multiple of 4.
-  void read(const GlTexture& drawn, ImageSize size, MutablePlane output);
-
  private:
   explicit PlanePacker(GlProgram program);
-  void resize(ImageSize packed_size);
 
   GlProgram program_;
   GlBuffer corners_;
-  ImageSize packed_size_;
-  GlTexture packed_;
-  GlFramebuffer framebuffer_;
 };
 
 }  // namespace gimbal

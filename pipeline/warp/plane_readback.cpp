@@ -24,34 +24,61 @@ PlaneReadback::PlaneReadback(Plane plane, ImageSize picture, const TextureFormat
 
 Result<PlaneReadback> PlaneReadback::create(Plane plane, ImageSize picture, int gles_version,
                                             Readback readback) {
-  const bool is_direct = readback == Readback::direct;
-  PlaneReadback made(plane, picture, is_direct ? plane_format(plane, gles_version) : kRgbaFormat);
+  const bool is_packed = readback == Readback::packed;
+  PlaneReadback made(plane, picture, is_packed ? kRgbaFormat : plane_format(plane, gles_version));
   if (!is_complete(made.framebuffer_)) return failed("gles: the driver cannot draw into a texture");
-  if (is_direct) {
+  if (!is_packed) {
     if (!can_read(made.format_.format)) return failed("gles: the driver reads back only RGBA");
+    if (readback == Readback::buffered) made.buffer_.emplace();
     return made;
   }
   auto packer = PlanePacker::create(plane, kRgbaFormat.bytes_per_pixel);
   if (!packer) return tl::unexpected(packer.error());
-  made.packer_ = std::move(*packer);
+  made.packed_ = Packed{std::move(*packer), {}, {}, {}};
   return made;
 }
 
-void PlaneReadback::read(MutablePlane output) {
-  if (packer_) {
-    packer_->read(drawn_, size_, output);
-  } else {
-    read_directly(output);
-  }
+void PlaneReadback::begin(std::ptrdiff_t stride_bytes) {
+  if (packed_) pack(stride_bytes);
+  if (!buffer_) return;
+  buffer_->fill(bytes_spanned(stride_bytes), [&] { read_pixels(stride_bytes, nullptr); });
 }
 
-void PlaneReadback::read_directly(MutablePlane output) {
+Result<void> PlaneReadback::finish(MutablePlane output) {
+  if (buffer_) return buffer_->copy_to(output.data, bytes_spanned(output.stride_bytes));
+  read_pixels(output.stride_bytes, output.data);
+  return {};
+}
+
+void PlaneReadback::pack(std::ptrdiff_t stride_bytes) {
+  // As wide as the output's rows with their padding: then one call reads all of them.
+  const ImageSize packed_size = {static_cast<int>(stride_bytes) / kRgbaFormat.bytes_per_pixel,
+                                 size_.height};
+  if (packed_->size != packed_size) {
+    packed_->texture = make_texture(packed_size, kRgbaFormat, GL_NEAREST);
+    packed_->framebuffer = make_framebuffer(packed_->texture);
+    packed_->size = packed_size;
+  }
+  packed_->packer.pack(drawn_.name(), size_, packed_->framebuffer.name(), packed_size);
+}
+
+void PlaneReadback::read_pixels(std::ptrdiff_t stride_bytes, std::uint8_t* to) const {
+  if (packed_) {
+    glBindFramebuffer(GL_FRAMEBUFFER, packed_->framebuffer.name());
+    glReadPixels(0, 0, packed_->size.width, packed_->size.height, GL_RGBA, GL_UNSIGNED_BYTE, to);
+    return;
+  }
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.name());
   glPixelStorei(GL_PACK_ALIGNMENT, 1);
-  glPixelStorei(GL_PACK_ROW_LENGTH,
-                static_cast<GLint>(output.stride_bytes / format_.bytes_per_pixel));
-  glReadPixels(0, 0, size_.width, size_.height, format_.format, GL_UNSIGNED_BYTE, output.data);
+  glPixelStorei(GL_PACK_ROW_LENGTH, static_cast<GLint>(stride_bytes / format_.bytes_per_pixel));
+  glReadPixels(0, 0, size_.width, size_.height, format_.format, GL_UNSIGNED_BYTE, to);
   glPixelStorei(GL_PACK_ROW_LENGTH, 0);
+}
+
+/// From the first byte of the first row to the last byte of the last one.
+std::size_t PlaneReadback::bytes_spanned(std::ptrdiff_t stride_bytes) const {
+  const std::ptrdiff_t row_bytes = std::ptrdiff_t{size_.width} * format_.bytes_per_pixel;
+  return static_cast<std::size_t>(stride_bytes * (size_.height - 1) + row_bytes);
 }
 
 }  // namespace gimbal

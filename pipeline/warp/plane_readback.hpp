@@ -1,10 +1,12 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 
 #include "pipeline/sample/result.hpp"
 #include "pipeline/warp/gl_objects.hpp"
+#include "pipeline/warp/pixel_buffer.hpp"
 #include "pipeline/warp/plane_format.hpp"
 #include "pipeline/warp/plane_packer.hpp"
 
@@ -12,12 +14,13 @@ namespace gimbal {
 
 /// How a plane comes back from the GPU.
 enum class Readback : std::uint8_t {
-  direct,  ///< drawn as R8 or RG8 and read as such: GLES 3, where the driver can
-  packed,  ///< drawn as RGBA, packed by a second pass: everywhere
+  buffered,  ///< as direct, by way of memory that the GPU fills while others go on
+  direct,    ///< drawn as R8 or RG8 and read as such: GLES 3, where the driver can
+  packed,    ///< drawn as RGBA, packed by a second pass: everywhere
 };
 
-/// The GPU's memory that one plane of pictures is drawn into, a texel a pixel, and how it gets from
-/// there to the processor.
+/// The GPU's memory that one plane of a picture is drawn into, a texel a pixel, and how it gets
+/// from there to the processor.
 class PlaneReadback {
  public:
   /// `picture`: size of the whole pictures. Fails where the driver cannot draw or read in this way.
@@ -26,18 +29,32 @@ class PlaneReadback {
 
   [[nodiscard]] GLuint framebuffer() const { return framebuffer_.name(); }
 
-  /// Waits until the plane is drawn.
-  void read(MutablePlane output);
+  /// Once the plane is drawn: gives the GPU all that is left to do, for rows that are so far apart.
+  void begin(std::ptrdiff_t stride_bytes);
+
+  /// Waits until that is done. The output's stride is the one that was begun with.
+  [[nodiscard]] Result<void> finish(MutablePlane output);
 
  private:
+  /// Rows of packed texels.
+  struct Packed {
+    PlanePacker packer;
+    ImageSize size;
+    GlTexture texture;
+    GlFramebuffer framebuffer;
+  };
+
   PlaneReadback(Plane plane, ImageSize picture, const TextureFormat& format);
-  void read_directly(MutablePlane output);
+  void pack(std::ptrdiff_t stride_bytes);
+  void read_pixels(std::ptrdiff_t stride_bytes, std::uint8_t* to) const;
+  [[nodiscard]] std::size_t bytes_spanned(std::ptrdiff_t stride_bytes) const;
 
   ImageSize size_;
   TextureFormat format_;
   GlTexture drawn_;
   GlFramebuffer framebuffer_;
-  std::optional<PlanePacker> packer_;
+  std::optional<Packed> packed_;
+  std::optional<PixelBuffer> buffer_;
 };
 
 }  // namespace gimbal

@@ -14,13 +14,16 @@ PlaneUpload::PlaneUpload(ImageSize size, const TextureFormat& format, GLint filt
     : gles_version_(gles_version),
       size_(size),
       format_(format),
-      texture_(make_texture(size_, format_, filter)) {}
+      filter_(filter) {}
 
 GLuint PlaneUpload::upload(ConstPlane source) {
-  glBindTexture(GL_TEXTURE_2D, texture_.name());
+  GlTexture& texture = textures_[next_];
+  next_ = (next_ + 1) % textures_.size();
+  if (texture.name() == 0) texture = make_texture(size_, format_, filter_);
+  glBindTexture(GL_TEXTURE_2D, texture.name());
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   put(source);
-  return texture_.name();
+  return texture.name();
 }
 
 void PlaneUpload::put(ConstPlane source) {

@@ -1,14 +1,18 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "pipeline/warp/gl_objects.hpp"
+#include "pipeline/warp/in_flight.hpp"
 #include "pipeline/warp/plane_format.hpp"
 
 namespace gimbal {
 
-/// Copies one plane of pictures into the GPU's memory, always into the same texture.
+/// Copies one plane of pictures into the GPU's memory. The textures take turns, so that none is
+/// overwritten while a picture in flight is drawn from it.
 class PlaneUpload {
  public:
   /// Of NV12, with values in texture_channels. `picture`: size of the whole pictures.
@@ -31,7 +35,9 @@ class PlaneUpload {
   int gles_version_;
   ImageSize size_;
   TextureFormat format_;
-  GlTexture texture_;
+  GLint filter_;
+  std::array<GlTexture, kMostInFlight> textures_;  ///< made when first used
+  std::size_t next_ = 0;
   std::vector<std::uint8_t> rows_;  ///< a picture whose rows GL cannot take as they lie
 };
 

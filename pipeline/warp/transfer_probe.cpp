@@ -12,6 +12,7 @@
 #include "pipeline/warp/native_input.hpp"
 #include "pipeline/warp/plane_upload.hpp"
 #include "pipeline/warp/test_pattern.hpp"
+#include "pipeline/warp/warper.hpp"
 
 namespace gimbal {
 namespace {
@@ -36,6 +37,13 @@ void draw_as_it_is(MeshPainter& painter, ImageSize size, Plane plane, PlaneRoute
   draw_plane(painter, identity_mesh(size), plane, ChromaSiting::left, {0, 0}, route);
 }
 
+bool reads_pattern(PlaneReadback& drawn, Plane plane, ImageSize size) {
+  const Nv12Buffer picture(size);
+  const MutablePlane memory = plane_of(picture, plane);
+  drawn.begin(memory.stride_bytes);
+  return drawn.finish(memory) && shows_pattern(read_only(memory), size, plane);
+}
+
 bool reads_back(MeshPainter& painter, Plane plane, int gles_version, Readback readback) {
   auto drawn = PlaneReadback::create(plane, kSmallPicture, gles_version, readback);
   if (!drawn) return false;
@@ -44,10 +52,7 @@ bool reads_back(MeshPainter& painter, Plane plane, int gles_version, Readback re
   PlaneUpload upload(plane, kSmallPicture, gles_version);
   draw_as_it_is(painter, kSmallPicture, plane,
                 {upload.upload(read_only(plane_of(picture, plane))), drawn->framebuffer()});
-  const Nv12Buffer result(kSmallPicture);
-  drawn->read(plane_of(result, plane));
-  return glGetError() == GL_NO_ERROR &&
-         shows_pattern(read_only(plane_of(result, plane)), kSmallPicture, plane);
+  return reads_pattern(*drawn, plane, kSmallPicture) && glGetError() == GL_NO_ERROR;
 }
 
 bool reads_dma_buf(DmaBufs& dma_bufs, MeshPainter& painter, const Nv12Buffer& pattern,
@@ -62,9 +67,7 @@ bool reads_dma_buf(DmaBufs& dma_bufs, MeshPainter& painter, const Nv12Buffer& pa
     if (!drawn) return false;
     draw_as_it_is(painter, size, plane,
                   {(*textures)[static_cast<std::size_t>(plane)], drawn->framebuffer()});
-    const Nv12Buffer result(size);
-    drawn->read(plane_of(result, plane));
-    if (!shows_pattern(read_only(plane_of(result, plane)), size, plane)) return false;
+    if (!reads_pattern(*drawn, plane, size)) return false;
   }
   return glGetError() == GL_NO_ERROR;
 }
@@ -102,9 +105,12 @@ bool show(const std::array<GLuint, 2>& textures, const VideoFrame& nv12, MeshPai
     if (!drawn) return false;
     draw_as_it_is(painter, nv12.size, plane, {textures[index], drawn->framebuffer()});
     const Nv12Buffer result(nv12.size);
-    drawn->read(plane_of(result, plane));
-    if (!are_alike(read_only(plane_of(result, plane)), nv12.planes[index], nv12.size, plane))
+    const MutablePlane memory = plane_of(result, plane);
+    drawn->begin(memory.stride_bytes);
+    if (!drawn->finish(memory) ||
+        !are_alike(read_only(memory), nv12.planes[index], nv12.size, plane)) {
       return false;
+    }
   }
   return glGetError() == GL_NO_ERROR;
 }
@@ -133,7 +139,7 @@ bool draws_dma_buf(DmaBufs& dma_bufs, MeshPainter& painter, const Nv12Buffer& pi
                   {upload.upload(read_only(plane_of(pattern, plane))),
                    (*framebuffers)[static_cast<std::size_t>(plane)]});
   }
-  if (!targets->finish(dma_bufs.textures, memory) || !dma_bufs.fence.wait()) return false;
+  if (!targets->finish(dma_bufs.textures, memory) || !dma_bufs.fences.insert().wait()) return false;
   begin_reading(picture);
   const bool is_drawn = shows_pattern(read_only(picture.luma()), size, Plane::luma) &&
                         shows_pattern(read_only(picture.chroma()), size, Plane::chroma);
@@ -161,8 +167,11 @@ DmaBufPicture dma_buf_picture(const Nv12Buffer& picture) {
 }
 
 Result<Readback> choose_readback(MeshPainter& painter, int gles_version) {
-  for (const Readback readback : {Readback::direct, Readback::packed}) {
-    if (readback == Readback::direct && gles_version < 3) continue;
+  const bool is_software =
+      is_software_renderer(reinterpret_cast<const char*>(glGetString(GL_RENDERER)));
+  for (const Readback readback : {Readback::buffered, Readback::direct, Readback::packed}) {
+    if (readback != Readback::packed && gles_version < 3) continue;
+    if (readback == Readback::buffered && is_software) continue;
     const bool works = reads_back(painter, Plane::luma, gles_version, readback) &&
                        reads_back(painter, Plane::chroma, gles_version, readback);
     forget_errors();

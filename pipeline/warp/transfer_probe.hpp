@@ -16,15 +16,16 @@ namespace gimbal {
 // How pictures get to the GPU and back. Drivers claim more than they can do, so each of these draws
 // a test picture instead of asking, in the order of what is cheapest.
 
-/// The first way of reading back that gives a small picture back as it was: direct, where the
-/// version has it, or else packed. Fails where neither does.
+/// The first way of reading back that gives a small picture back as it was: buffered or direct,
+/// where the version has them, or else packed. Fails where none does. Software renderers are not
+/// asked for buffers, which cost them a copy and gain nothing.
 [[nodiscard]] Result<Readback> choose_readback(MeshPainter& painter, int gles_version);
 
 /// What dma-bufs take.
 struct DmaBufs {
   DmaBufHeap heap;
   DmaBufTextures textures;
-  GlFence fence;
+  GlFences fences;
 };
 
 /// The view in which pictures that lie like this are read from a dma-buf as they are; nothing where

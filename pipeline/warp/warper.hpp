@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -21,10 +22,25 @@ class Warper {
   Warper& operator=(const Warper&) = delete;
   virtual ~Warper() = default;
 
+  // To be called, and the warper destroyed, on the thread that made the warper.
+
   /// NV12 or a native picture in, NV12 of mesh.output_size out; black in the frame's own range
-  /// where the mesh covers nothing. To be called, and the warper destroyed, on the thread that made
-  /// the warper.
-  [[nodiscard]] virtual Result<VideoFrame> warp(const VideoFrame& source, const WarpMesh& mesh) = 0;
+  /// where the mesh covers nothing. To be called where no frame is in flight.
+  [[nodiscard]] Result<VideoFrame> warp(const VideoFrame& source, const WarpMesh& mesh) {
+    return begin(source, mesh).and_then([this] { return finish(); });
+  }
+
+  /// As `warp`, but does not wait for what draws: the frame is in flight until `finish`. Those in
+  /// flight have the same sizes, and are `most_in_flight` at most. One that fails here is not in
+  /// flight.
+  [[nodiscard]] virtual Result<void> begin(const VideoFrame& source, const WarpMesh& mesh) = 0;
+
+  /// The picture of the frame that has been in flight for the longest time, and there has to be
+  /// one. It is not in flight any more, not even where this fails.
+  [[nodiscard]] virtual Result<VideoFrame> finish() = 0;
+
+  /// How many frames can be drawn at once; at least 1.
+  [[nodiscard]] virtual std::size_t most_in_flight() const = 0;
 
   /// Lets go of the memory of frames that were drawn and may come again, when no more will come for
   /// some time: whoever fills it may not get new memory before.
@@ -42,7 +58,7 @@ class Warper {
 
   /// How the last frame got to what draws and back, such as "in dma-buf R8+GR88, out copied"; empty
   /// where nothing has to.
-  [[nodiscard]] virtual std::string transfers() const { return {}; }
+  [[nodiscard]] virtual std::string_view transfers() const { return {}; }
 };
 
 /// The twin of the GLES warper without a GPU: same mesh, with the processor's vector
@@ -75,7 +91,7 @@ struct GlesOptions {
 
 /// Draws with OpenGL ES on a context of its own. Fails where there is no EGL or no usable GLES 2 or
 /// 3, or where `source` or `output` is too large for the renderer. Once the context is lost, every
-/// `warp` fails: make a new warper.
+/// frame fails, those in flight too: make a new warper.
 [[nodiscard]] Result<std::unique_ptr<Warper>> make_gles_warper(ImageSize source, ImageSize output,
                                                                const GlesOptions& options = {});
 

@@ -49,6 +49,8 @@ def main():
               f"{ratio_to('frame_copy', name, cpu_s):>14} {ratio_to('opencv_remap', name, cpu_s):>14}")
     for_each_size("warp_cpu/two_threads", "warp_cpu/one_thread", wall_s,
                   "warp_cpu {size}: two threads are {times:.2f} times as fast as one, by wall time")
+    for_each_size("warp_gles_in_flight/best", "warp_gles/best", wall_s,
+                  "warp_gles {size}: frames in flight are {times:.2f} times as fast as one by one, by wall time")
     for_each_size("gles_transfers", "warp_gles/best", cpu_s,
                   "warp_gles {size}: {share:.1%} of its CPU time is upload and read-back")
 

@@ -146,7 +146,7 @@ class DmaBufTest : public testing::TestWithParam<GlesVersion> {
                  {textures[index], framebuffers[index]});
     }
     ASSERT_TRUE(targets.finish(dma_bufs.textures, dma_buf_picture(to)));
-    ASSERT_TRUE(dma_bufs.fence.wait());
+    ASSERT_TRUE(dma_bufs.fences.insert().wait());
     begin_reading(to);
     for (const Plane plane : kPlanes) {
       EXPECT_TRUE(shows_pattern(read_only(plane_of(to, plane)), size, plane))
@@ -244,12 +244,52 @@ TEST_P(DmaBufTest, LetsGoOfFramesThatDoNotComeAgain) {
   EXPECT_EQ(sharing->bytes_copied(), 0);
 }
 
+TEST_P(DmaBufTest, FramesInFlightComeOutAsThoseDrawnOneByOne) {
+  const ImageSize size{320, 180};
+  const auto sharing = warper(size, DmaBufUse::always, Interpolation::bilinear);
+  std::vector<VideoFrame> frames;
+  std::vector<WarpMesh> meshes;
+  std::vector<VideoFrame> expected;
+  for (const Border border : {Border::crop, Border::mirror, Border::extend, Border::black}) {
+    frames.push_back(in_dma_buf(make_picture(size, {}), padded_layout(size)));
+    meshes.push_back(shaky_mesh(size, size, border, View::zoomed_out));
+    expected.push_back(sharing->warp(frames.back(), meshes.back()).value());
+  }
+  ASSERT_GE(sharing->most_in_flight(), 2U);
+  ASSERT_TRUE(sharing->begin(frames[0], meshes[0]));
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    if (i + 1 < frames.size()) {
+      ASSERT_TRUE(sharing->begin(frames[i + 1], meshes[i + 1]));
+    }
+    EXPECT_EQ(largest_difference(sharing->finish().value(), expected[i]), 0) << i;
+  }
+  EXPECT_EQ(sharing->bytes_copied(), 0);
+}
+
+TEST_P(DmaBufTest, HoldsAFramesMemoryUntilItWasRead) {
+  const ImageSize size{320, 180};
+  const WarpMesh mesh = mesh_of_map(size, size, Border::crop, same);
+  const auto sharing = warper(size, DmaBufUse::always, Interpolation::bilinear);
+  std::array<std::weak_ptr<const void>, 2> memory;
+  for (auto& one : memory) {
+    const VideoFrame frame = in_dma_buf(make_picture(size, {}), padded_layout(size));
+    one = frame.storage;
+    ASSERT_TRUE(sharing->begin(frame, mesh));
+  }
+  EXPECT_FALSE(memory[0].expired());
+  ASSERT_TRUE(sharing->finish());
+  EXPECT_TRUE(memory[0].expired());
+  EXPECT_FALSE(memory[1].expired());
+  ASSERT_TRUE(sharing->finish());
+  EXPECT_TRUE(memory[1].expired());
+}
+
 /// Views that no renderer here needs, but GPUs that draw into fewer formats do.
 TEST_P(DmaBufTest, EveryViewGivesThePictureAsItIs) {
   const auto context = EglContext::create(GetParam()).value();
   auto painter = MeshPainter::create(kImportedChannels, Interpolation::bilinear).value();
   DmaBufs dma_bufs{*heap_, DmaBufTextures::create(context->display()).value(),
-                   GlFence(context->display())};
+                   GlFences(context->display())};
   for (const ImageSize size : {ImageSize{640, 360}, ImageSize{101, 57}, ImageSize{1920, 1080}}) {
     for (const PlaneView view : {PlaneView::pixels, PlaneView::bytes, PlaneView::packed}) {
       expect_same_picture(painter, dma_bufs, view, size, context->major_version());
@@ -263,7 +303,7 @@ TEST_P(DmaBufTest, EveryViewGivesAPackedPictureAsItsConversion) {
   auto painter = MeshPainter::create(texture_channels(version), Interpolation::bilinear).value();
   const Readback readback = choose_readback(painter, version).value();
   DmaBufs dma_bufs{*heap_, DmaBufTextures::create(context->display()).value(),
-                   GlFence(context->display())};
+                   GlFences(context->display())};
   for (const ImageSize size : {ImageSize{640, 360}, ImageSize{101, 57}, ImageSize{1922, 30}}) {
     const VideoFrame native = native_picture(NativeFormat::uyvy, size, 64);
     const VideoFrame expected = as_nv12(native);
@@ -281,7 +321,9 @@ TEST_P(DmaBufTest, EveryViewGivesAPackedPictureAsItsConversion) {
         draw_plane(painter, identity_mesh(size), plane, ChromaSiting::left, {0, 0},
                    {textures[index], drawn.framebuffer()});
         const Nv12Buffer result(size);
-        drawn.read(plane_of(result, plane));
+        const MutablePlane drawn_to = plane_of(result, plane);
+        drawn.begin(drawn_to.stride_bytes);
+        ASSERT_TRUE(drawn.finish(drawn_to));
         EXPECT_TRUE(
             are_alike(read_only(plane_of(result, plane)), expected.planes[index], size, plane))
             << size.width << " wide, view " << static_cast<int>(view) << ", plane " << index;
@@ -296,7 +338,7 @@ TEST_P(DmaBufTest, ARendererThatReadsWronglyIsNotBelieved) {
   auto painter = MeshPainter::create(texture_channels(version), Interpolation::bilinear).value();
   const Readback readback = choose_readback(painter, version).value();
   DmaBufs dma_bufs{*heap_, DmaBufTextures::create(context->display()).value(),
-                   GlFence(context->display())};
+                   GlFences(context->display())};
   const PictureLayout layout = padded_layout({320, 180});
   const PackedLayout packed = {NativeFormat::yuyv, {320, 180}, 640};
   EXPECT_EQ(choose_packed_view(dma_bufs, painter, packed, version, readback), PlaneView::pixels);

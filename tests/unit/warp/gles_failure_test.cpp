@@ -62,9 +62,32 @@ TEST_F(GlesFailureDeathTest, NoDriver) {
   leave_with(warper->warp(picture, mesh));
 }
 
+/// The same with frames in flight.
+[[noreturn]] void lose_context_in_flight() {
+  const ImageSize size{64, 32};
+  const auto warper = make_gles_warper(size, size).value();
+  const VideoFrame picture = warp_scene::make_picture(size, {});
+  const WarpMesh mesh =
+      warp_scene::shaky_mesh(size, size, Border::crop, warp_scene::View::zoomed_in);
+  for (int i = 0; i < 2; ++i) {
+    if (!warper->begin(picture, mesh)) std::exit(3);
+  }
+  const EGLDisplay display = eglGetCurrentDisplay();
+  eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+  eglTerminate(display);
+  if (warper->finish()) std::exit(4);
+  if (warper->begin(picture, mesh)) std::exit(5);
+  leave_with(warper->finish());
+}
+
 /// The nearest a test can come to a context lost in a GPU reset.
 TEST_F(GlesFailureDeathTest, LostContext) {
   EXPECT_EXIT(lose_context(), testing::ExitedWithCode(1),
+              "gles: the context is lost .eglMakeCurrent: ");
+}
+
+TEST_F(GlesFailureDeathTest, LostContextWithFramesInFlight) {
+  EXPECT_EXIT(lose_context_in_flight(), testing::ExitedWithCode(1),
               "gles: the context is lost .eglMakeCurrent: ");
 }
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <thread>
@@ -102,6 +103,14 @@ INSTANTIATE_TEST_SUITE_P(Sizes, GlesAgainstCpu,
                          }),
                          case_name);
 
+/// The picture turned about its middle.
+WarpMesh turned_mesh(ImageSize size, double by_deg) {
+  const Vector2d middle(size.width / 2.0, size.height / 2.0);
+  const Eigen::Rotation2Dd turn(by_deg * std::numbers::pi / 180);
+  return mesh_of_map(size, size, Border::mirror,
+                     [&](const Vector2d& at) -> Vector2d { return turn * (at - middle) + middle; });
+}
+
 class GlesWarper : public testing::TestWithParam<GlesVersion> {
  protected:
   [[nodiscard]] std::unique_ptr<Warper> make(ImageSize source, ImageSize output) const {
@@ -155,6 +164,66 @@ TEST_P(GlesWarper, FollowsAChangeOfSize) {
         warper->warp(picture, mesh_of_map(size, size, Border::crop, same)).value();
     EXPECT_EQ(plane_bytes(drawn, 0), plane_bytes(picture, 0));
   }
+}
+
+TEST_P(GlesWarper, FramesInFlightComeOutAsThoseDrawnOneByOne) {
+  const std::vector<Border> borders = {Border::crop, Border::mirror, Border::extend, Border::black};
+  for (const ImageSize size : {ImageSize{640, 360}, ImageSize{641, 361}}) {
+    const auto warper = make(size, size);
+    ASSERT_GE(warper->most_in_flight(), 2U);
+    std::vector<VideoFrame> frames;
+    std::vector<VideoFrame> expected;
+    std::vector<WarpMesh> meshes;
+    for (std::int64_t i = 0; i < 7; ++i) {
+      // Each its own picture.
+      VideoFrame frame = make_picture(size, {"bt709", ChromaSiting::left});
+      frame =
+          make_cpu_warper(1)->warp(frame, turned_mesh(size, 10.0 * static_cast<double>(i))).value();
+      frame.stamp.index = i;
+      meshes.push_back(shaky_mesh(size, size, borders[static_cast<std::size_t>(i) % 4],
+                                  i % 2 == 0 ? View::zoomed_in : View::zoomed_out));
+      expected.push_back(warper->warp(frame, meshes.back()).value());
+      frames.push_back(std::move(frame));
+    }
+    std::size_t begun = 0;
+    for (std::size_t i = 0; i < frames.size(); ++i) {
+      for (; begun < std::min(frames.size(), i + warper->most_in_flight()); ++begun) {
+        ASSERT_TRUE(warper->begin(frames[begun], meshes[begun]));
+      }
+      const VideoFrame drawn = warper->finish().value();
+      EXPECT_EQ(drawn.stamp.index, static_cast<std::int64_t>(i));
+      EXPECT_EQ(plane_bytes(drawn, 0), plane_bytes(expected[i], 0)) << i;
+      EXPECT_EQ(plane_bytes(drawn, 1), plane_bytes(expected[i], 1)) << i;
+    }
+  }
+}
+
+TEST_P(GlesWarper, FramesInFlightAreNotDisturbedByOneThatIsRefused) {
+  const ImageSize size{64, 32};
+  const auto warper = make(size, size);
+  const VideoFrame picture = make_picture(size, {});
+  const WarpMesh mesh = mesh_of_map(size, size, Border::crop, same);
+  ASSERT_TRUE(warper->begin(picture, mesh));
+  const ImageSize other{130, 70};
+  EXPECT_FALSE(
+      warper->begin(make_picture(other, {}), mesh_of_map(other, other, Border::crop, same)));
+  EXPECT_FALSE(warper->begin(picture, mesh_of_map(other, size, Border::crop, same)));
+  ASSERT_TRUE(warper->begin(picture, mesh));
+  EXPECT_EQ(plane_bytes(warper->finish().value(), 0), plane_bytes(picture, 0));
+  EXPECT_EQ(plane_bytes(warper->finish().value(), 0), plane_bytes(picture, 0));
+  EXPECT_TRUE(
+      warper->begin(make_picture(other, {}), mesh_of_map(other, other, Border::crop, same)));
+}
+
+TEST_P(GlesWarper, HoldsNoMemoryOfFramesThatItHasCopied) {
+  const ImageSize size{64, 32};
+  const auto warper = make(size, size);
+  std::optional<VideoFrame> frame = make_picture(size, {});
+  const std::weak_ptr<const void> memory = frame->storage;
+  ASSERT_TRUE(warper->begin(*frame, mesh_of_map(size, size, Border::crop, same)));
+  frame.reset();
+  EXPECT_TRUE(memory.expired());
+  EXPECT_TRUE(warper->finish());
 }
 
 TEST_P(GlesWarper, TwoInOneThreadDoNotDisturbEachOther) {

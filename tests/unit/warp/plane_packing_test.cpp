@@ -2,16 +2,20 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <string>
 #include <vector>
 
 #include "pipeline/warp/dma_buf_texture.hpp"
+#include "pipeline/warp/draw_plane.hpp"
 #include "pipeline/warp/egl_context.hpp"
 #include "pipeline/warp/plane_format.hpp"
 #include "pipeline/warp/plane_packer.hpp"
+#include "pipeline/warp/plane_readback.hpp"
 #include "pipeline/warp/plane_unpacker.hpp"
+#include "pipeline/warp/plane_upload.hpp"
 #include "pipeline/warp/test_pattern.hpp"
 
 namespace gimbal {
@@ -80,6 +84,45 @@ TEST(PlanePacking, AllBytesComeBackWhereTheyWere) {
     expect_same_after_round_trip({PlaneView::bytes, Plane::chroma, size}, 3);
     expect_same_after_round_trip({PlaneView::packed, Plane::luma, size}, 3);
     expect_same_after_round_trip({PlaneView::packed, Plane::chroma, size}, 3);
+  }
+}
+
+/// The pattern is drawn as it is, then black by another; both are read when both are drawn.
+void expect_same_when_read(Plane plane, ImageSize size, int gles_version, Readback readback) {
+  auto painter =
+      MeshPainter::create(texture_channels(gles_version), Interpolation::bilinear).value();
+  PlaneUpload upload(plane, size, gles_version);
+  std::vector<PlaneReadback> drawn;
+  const Nv12Buffer picture(size);
+  const MutablePlane memory = plane_of(picture, plane);
+  for (int i = 0; i < 2; ++i) {
+    drawn.push_back(PlaneReadback::create(plane, size, gles_version, readback).value());
+    draw_pattern(memory, size, plane);
+    const auto bytes = memory.stride_bytes * plane_size(size, plane).height;
+    if (i == 1) std::fill_n(memory.data, bytes, std::uint8_t{0});
+    draw_plane(painter, identity_mesh(size), plane, ChromaSiting::left, {0, 0},
+               {upload.upload({memory.data, memory.stride_bytes}), drawn.back().framebuffer()});
+    drawn.back().begin(memory.stride_bytes);
+  }
+  for (std::size_t i = 0; i < 2; ++i) {
+    ASSERT_TRUE(drawn[i].finish(memory));
+    EXPECT_EQ(shows_pattern({memory.data, memory.stride_bytes}, size, plane), i == 0)
+        << size.width << " wide, plane " << static_cast<int>(plane) << ", GLES " << gles_version
+        << ", way " << static_cast<int>(readback);
+  }
+}
+
+TEST(PlaneReadback, GivesWhatWasDrawn) {
+  for (const GlesVersion version : {GlesVersion::best, GlesVersion::gles2}) {
+    const auto context = EglContext::create(version).value();
+    for (const ImageSize size : {ImageSize{13, 6}, ImageSize{640, 360}, ImageSize{641, 361}}) {
+      for (const Plane plane : {Plane::luma, Plane::chroma}) {
+        expect_same_when_read(plane, size, context->major_version(), Readback::packed);
+        if (context->major_version() < 3) continue;
+        expect_same_when_read(plane, size, context->major_version(), Readback::direct);
+        expect_same_when_read(plane, size, context->major_version(), Readback::buffered);
+      }
+    }
   }
 }
 
