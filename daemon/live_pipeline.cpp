@@ -349,29 +349,32 @@ void LivePipeline::draw(std::promise<Result<void>>& can_draw) {
   if ((*warper)->takes_native_pictures()) wanted_form_ = PictureForm::native;
   can_draw.set_value({});
   const auto period = duration_from_seconds(1 / usual_fps(calibration_));
-  while (!drawings_.is_at_end()) {
-    const auto drawing = drawings_.pop_within(period);
-    if (!drawing) {
-      if (is_camera_lost_) {
-        (*warper)->forget_frames();
-        draw_no_signal();
-      }
-      continue;
-    }
-    const SensorTime begin = monotonic_now();
-    auto drawn = draw_one(*warper, *drawing);
+  FrameDrawer drawer(std::move(*warper),
+                     [this](std::unique_ptr<Warper> failed, const Error& error) {
+                       return open_warper_again(std::move(failed), error);
+                     });
+  while (!drawings_.is_at_end() || !drawer.is_idle()) {
+    auto drawn = drawer.advance(drawings_, period);
     if (!drawn) {
       fail(drawn.error());
       return;
     }
-    tell_transfers(**warper);
-    const SensorTime end = monotonic_now();
-    drawing_time_.add(end - begin);
-    note_age(end - drawn->stamp.time);
-    ++frames_out_;
-    show(std::move(*drawn));
+    if (*drawn) {
+      tell_transfers(drawer.warper());
+      hand_out(**std::move(drawn));
+    } else if (drawer.is_idle() && is_camera_lost_) {
+      drawer.warper().forget_frames();
+      draw_no_signal();
+    }
   }
   has_ended_ = true;
+}
+
+void LivePipeline::hand_out(DrawnFrame drawn) {
+  drawing_time_.add(drawn.time);
+  note_age(monotonic_now() - drawn.picture.stamp.time);
+  ++frames_out_;
+  show(std::move(drawn.picture));
 }
 
 Result<std::unique_ptr<Warper>> LivePipeline::open_warper(DmaBufUse dma_bufs) {
@@ -385,18 +388,12 @@ Result<std::unique_ptr<Warper>> LivePipeline::open_warper(DmaBufUse dma_bufs) {
   return std::move(chosen->warper);
 }
 
-/// A renderer that was reset is opened again, without dma-bufs, which may have been the reason; one
-/// that fails twice has failed.
-Result<VideoFrame> LivePipeline::draw_one(std::unique_ptr<Warper>& warper, const Drawing& drawing) {
-  auto drawn = draw_with(*warper, drawing);
-  if (drawn) return drawn;
-  log_line(LogLevel::error, drawn.error().message + "; opening the renderer again",
-           {"renderer", {}});
-  warper.reset();
-  auto again = open_warper(DmaBufUse::never);
-  if (!again) return tl::unexpected(again.error());
-  warper = std::move(*again);
-  return draw_with(*warper, drawing);
+/// A renderer that was reset draws again without dma-bufs, which may have been the reason.
+Result<std::unique_ptr<Warper>> LivePipeline::open_warper_again(std::unique_ptr<Warper> failed,
+                                                                const Error& error) {
+  log_line(LogLevel::error, error.message + "; opening the renderer again", {"renderer", {}});
+  failed.reset();
+  return open_warper(DmaBufUse::never);
 }
 
 /// Which way pictures take to the GPU and back is known once one was drawn.
@@ -405,13 +402,6 @@ void LivePipeline::tell_transfers(const Warper& warper) {
   if (transfers == transfers_) return;  // which only this thread writes
   const std::lock_guard lock(mutex_);
   transfers_ = transfers;
-}
-
-Result<VideoFrame> LivePipeline::draw_with(Warper& warper, const Drawing& drawing) {
-  if (!is_filled(drawing.mesh.border)) return warper.warp(drawing.frame, drawing.mesh);
-  auto filled = fill_.draw(warper, drawing.frame, drawing.mesh, drawing.neighbours);
-  if (!filled) return tl::unexpected(filled.error());
-  return std::move(filled->picture);
 }
 
 /// Stamped as late as a frame would be that is drawn now.

@@ -12,6 +12,7 @@
 #include <variant>
 #include <vector>
 
+#include "daemon/frame_drawer.hpp"
 #include "daemon/histogram.hpp"
 #include "daemon/output.hpp"
 #include "daemon/revived_source.hpp"
@@ -19,7 +20,6 @@
 #include "daemon/stabilization.hpp"
 #include "drivers/camera_source.hpp"
 #include "drivers/imu_source.hpp"
-#include "pipeline/fill/border_fill.hpp"
 #include "pipeline/fill/past_frames.hpp"
 #include "pipeline/queue/bounded_queue.hpp"
 #include "pipeline/sample/calibration.hpp"
@@ -163,11 +163,6 @@ class LivePipeline {
  private:
   using Inflow = std::variant<GyroSample, AccelSample, VideoFrame, StabilizationSettings,
                               SourceLost, SourceEnd>;
-  struct Drawing {
-    VideoFrame frame;
-    WarpMesh mesh;
-    std::vector<Neighbour> neighbours;  ///< for border fill
-  };
 
   LivePipeline(LiveSources sources, Stabilizer stabilizer, const StabilizationSettings& settings,
                const std::vector<OutputSettings>& outputs, std::vector<SourceObserver*> observers);
@@ -197,10 +192,10 @@ class LivePipeline {
 
   // On the thread of `draw`.
   [[nodiscard]] Result<std::unique_ptr<Warper>> open_warper(DmaBufUse dma_bufs);
-  [[nodiscard]] Result<VideoFrame> draw_one(std::unique_ptr<Warper>& warper,
-                                            const Drawing& drawing);
+  [[nodiscard]] Result<std::unique_ptr<Warper>> open_warper_again(std::unique_ptr<Warper> failed,
+                                                                  const Error& error);
   void tell_transfers(const Warper& warper);
-  [[nodiscard]] Result<VideoFrame> draw_with(Warper& warper, const Drawing& drawing);
+  void hand_out(DrawnFrame drawn);
   void draw_no_signal();
   void show(VideoFrame frame);
 
@@ -217,7 +212,7 @@ class LivePipeline {
   std::vector<std::unique_ptr<Output>> outputs_;
 
   BoundedQueue<Inflow, WhenFull::wait> inflow_;
-  BoundedQueue<Drawing, WhenFull::drop_oldest> drawings_;
+  FrameDrawer::Waiting drawings_;
 
   // Used by `follow` alone.
   StabilizationSettings settings_;
@@ -234,7 +229,6 @@ class LivePipeline {
   PictureForm wanted_form_ = PictureForm::nv12;  ///< by the warper, before the camera starts
 
   // Used by `draw` alone.
-  BorderFill fill_;
   std::optional<VideoFrame> no_signal_;  ///< drawn when it is first wanted
   std::optional<SensorTime> last_shown_;
 

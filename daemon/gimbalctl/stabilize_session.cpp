@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "daemon/frame_drawer.hpp"
 #include "daemon/gimbalctl/estimation.hpp"
 #include "daemon/gimbalctl/path_log.hpp"
 #include "daemon/gimbalctl/stabilize_report.hpp"
@@ -20,7 +21,6 @@
 #include "drivers/replay/replay_camera.hpp"
 #include "drivers/replay/session.hpp"
 #include "drivers/replay/stamped_log.hpp"
-#include "pipeline/fill/border_fill.hpp"
 #include "pipeline/fill/past_frames.hpp"
 #include "pipeline/path/steadiness.hpp"
 #include "pipeline/sink/frame_sink.hpp"
@@ -83,19 +83,24 @@ class Job {
   [[nodiscard]] AudioTrack audio() const;
   [[nodiscard]] Result<void> write_all();
   [[nodiscard]] Result<std::optional<VideoFrame>> next_frame();
-  [[nodiscard]] Result<void> write_frame(const VideoFrame& frame);
-  [[nodiscard]] Result<VideoFrame> draw(const VideoFrame& frame);
+  [[nodiscard]] Result<void> take(const VideoFrame& frame);
+  [[nodiscard]] Result<void> begin_drawing(const VideoFrame& frame);
+  [[nodiscard]] Result<void> write_oldest();
   [[nodiscard]] std::size_t frames_ahead() const;
   [[nodiscard]] std::vector<Neighbour> neighbours_of(const VirtualCamera& camera) const;
-  [[nodiscard]] Result<FilledPicture> warp(const VirtualCamera& camera, const VideoFrame& frame,
-                                           const WarpMesh& mesh);
-  [[nodiscard]] Result<FilledPicture> warp_once(const VideoFrame& frame, const WarpMesh& mesh,
-                                                const std::vector<Neighbour>& neighbours);
+  [[nodiscard]] Result<std::unique_ptr<Warper>> draw_on_the_cpu(std::unique_ptr<Warper> failed,
+                                                                const Error& error);
   [[nodiscard]] Result<void> finish();
   void measure_steadiness();
   void add_to_session();
   void note(const VirtualCamera& camera, std::int64_t border_px);
   void warn(std::string warning);
+
+  /// A frame that is being drawn.
+  struct Begun {
+    VirtualCamera camera;
+    std::int64_t border_px;  ///< where it is not filled
+  };
 
   const StabilizeRequest& request_;
   const Session& session_;
@@ -108,8 +113,8 @@ class Job {
   Eigen::Quaterniond q_log_world_ = Eigen::Quaterniond::Identity();  ///< to the path log's world
   std::unique_ptr<ReplayCamera> source_;
   std::optional<VideoFrame> first_frame_;  ///< read before the sink was opened
-  std::unique_ptr<Warper> warper_;
-  BorderFill fill_;
+  std::optional<FrameDrawer> drawer_;
+  std::deque<Begun> begun_;       ///< what it has in flight
   std::deque<VideoFrame> ahead_;  ///< the frame that is drawn next, and those that may fill it
   PastFrames past_;
   std::unique_ptr<FrameSink> sink_;
@@ -235,10 +240,13 @@ Result<void> Job::open_streams() {
 Result<void> Job::make_warper(ImageSize size) {
   auto chosen = choose_warper(request_, size);
   if (!chosen) return tl::unexpected(chosen.error());
-  warper_ = std::move(chosen->warper);
+  drawer_.emplace(std::move(chosen->warper),
+                  [this](std::unique_ptr<Warper> failed, const Error& error) {
+                    return draw_on_the_cpu(std::move(failed), error);
+                  });
   report_.warper_reason = std::move(chosen->reason);
   if (!chosen->warning.empty()) warn(std::move(chosen->warning));
-  if (warper_->takes_native_pictures()) source_->ask_for(PictureForm::native);
+  if (drawer_->warper().takes_native_pictures()) source_->ask_for(PictureForm::native);
   return {};
 }
 
@@ -265,12 +273,16 @@ Result<void> Job::write_all() {
       ++report_.frames_in;
       ahead_.push_back(*std::move(*frame));
     }
-    if (ahead_.empty()) return {};
-    if (auto written = write_frame(ahead_.front()); !written) return written;
+    if (ahead_.empty()) break;
+    if (auto taken = take(ahead_.front()); !taken) return taken;
     if (request_.border == Border::fill) past_.push(ahead_.front());
     ahead_.pop_front();
     progress.advance();
   }
+  while (drawer_ && !drawer_->is_idle()) {
+    if (auto written = write_oldest(); !written) return written;
+  }
+  return {};
 }
 
 /// A path that may not look further ahead is not filled from there either.
@@ -279,7 +291,8 @@ std::size_t Job::frames_ahead() const {
   return std::min(request_.latency.value_or(kMostFramesAhead), kMostFramesAhead);
 }
 
-Result<void> Job::write_frame(const VideoFrame& frame) {
+/// Writes the frame, or begins to draw it and writes what there is no room for beside it.
+Result<void> Job::take(const VideoFrame& frame) {
   if (!stabilizer_) {
     ++report_.frames_out;
     report_.zoom_sum += 1;
@@ -287,25 +300,33 @@ Result<void> Job::write_frame(const VideoFrame& frame) {
     report_.view_sum += 1;
     return report_.encode.measure([&] { return sink_->write(frame); });
   }
-  const auto drawn = report_.warp.measure([&] { return draw(frame); });
-  if (!drawn) return tl::unexpected(drawn.error());
-  ++report_.frames_out;
-  return report_.encode.measure([&] { return sink_->write(*drawn); });
+  auto done = report_.warp.measure([&] { return begin_drawing(frame); });
+  while (done && !drawer_->has_room()) done = write_oldest();
+  return done;
 }
 
-Result<VideoFrame> Job::draw(const VideoFrame& frame) {
+Result<void> Job::begin_drawing(const VideoFrame& frame) {
   const auto camera = std::lower_bound(
       cameras_.begin(), cameras_.end(), frame.stamp.index,
       [](const VirtualCamera& c, std::int64_t index) { return c.stamp.index < index; });
   if (camera == cameras_.end() || camera->stamp.index != frame.stamp.index) {
     return failed(fmt::format("frame {} has no place on the camera's path", frame.stamp.index));
   }
-  const WarpMesh mesh = stabilizer_->mesh_for(*camera);
+  WarpMesh mesh = stabilizer_->mesh_for(*camera);
   note_mesh(mesh, report_.mesh);
-  auto drawn = warp(*camera, frame, mesh);
+  const std::int64_t border_px = is_filled(request_.border) ? 0 : count_border_pixels(mesh);
+  begun_.push_back({*camera, border_px});
+  return drawer_->begin({frame, std::move(mesh), neighbours_of(*camera)});
+}
+
+Result<void> Job::write_oldest() {
+  const auto drawn = report_.warp.measure([this] { return drawer_->finish(); });
   if (!drawn) return tl::unexpected(drawn.error());
-  note(*camera, drawn->border_px);
-  return std::move(drawn->picture);
+  const Begun begun = begun_.front();
+  begun_.pop_front();
+  note(begun.camera, is_filled(request_.border) ? drawn->filled_border_px : begun.border_px);
+  ++report_.frames_out;
+  return report_.encode.measure([&] { return sink_->write(drawn->picture); });
 }
 
 std::vector<Neighbour> Job::neighbours_of(const VirtualCamera& camera) const {
@@ -315,25 +336,14 @@ std::vector<Neighbour> Job::neighbours_of(const VirtualCamera& camera) const {
   return stabilizer_->neighbours_of(camera, others);
 }
 
-Result<FilledPicture> Job::warp(const VirtualCamera& camera, const VideoFrame& frame,
-                                const WarpMesh& mesh) {
-  const std::vector<Neighbour> neighbours = neighbours_of(camera);
-  auto drawn = warp_once(frame, mesh, neighbours);
-  if (drawn || request_.warper || warper_->name() == "cpu") return drawn;
-  warn(drawn.error().message + "; drawing on the CPU from here on");
-  report_.warper_reason = drawn.error().message;
-  report_.copied.warp = warper_->bytes_copied();
-  warper_ = make_cpu_warper(request_);
+Result<std::unique_ptr<Warper>> Job::draw_on_the_cpu(std::unique_ptr<Warper> failed,
+                                                     const Error& error) {
+  if (request_.warper || failed->name() == "cpu") return tl::unexpected(error);
+  warn(error.message + "; drawing on the CPU from here on");
+  report_.warper_reason = error.message;
+  report_.copied.warp = failed->bytes_copied();
   source_->ask_for(PictureForm::nv12);
-  return warp_once(frame, mesh, neighbours);
-}
-
-Result<FilledPicture> Job::warp_once(const VideoFrame& frame, const WarpMesh& mesh,
-                                     const std::vector<Neighbour>& neighbours) {
-  if (is_filled(request_.border)) return fill_.draw(*warper_, frame, mesh, neighbours);
-  auto drawn = warper_->warp(frame, mesh);
-  if (!drawn) return tl::unexpected(drawn.error());
-  return FilledPicture{std::move(*drawn), count_border_pixels(mesh)};
+  return make_cpu_warper(request_);
 }
 
 void Job::note(const VirtualCamera& camera, std::int64_t border_px) {
@@ -367,11 +377,16 @@ Result<void> Job::finish() {
   }
   report_.frames_in += source_->frames_without_stamp();
   report_.frames_dropped = report_.frames_in - report_.frames_out;
-  report_.warper = warper_ ? warper_->name() : "none";
-  report_.renderer = warper_ ? warper_->renderer() : "";
-  report_.transfers = warper_ ? std::string(warper_->transfers()) : "";
   report_.copied.decode = source_->bytes_copied();
-  report_.copied.warp += (warper_ ? warper_->bytes_copied() : 0) + fill_.bytes_copied();
+  if (drawer_) {
+    const Warper& warper = drawer_->warper();
+    report_.warper = warper.name();
+    report_.renderer = warper.renderer();
+    report_.transfers = warper.transfers();
+    report_.copied.warp += warper.bytes_copied() + drawer_->bytes_copied();
+  } else {
+    report_.warper = "none";
+  }
   report_.copied.encode = sink_->bytes_copied().value_or(0);
   add_to_session();
   return request_.report.empty() ? Result<void>{} : write_report(report_, request_.report);
