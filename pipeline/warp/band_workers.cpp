@@ -15,12 +15,12 @@ BandWorkers::~BandWorkers() = default;
 void BandWorkers::share(int pieces, const std::function<void(int)>& work) {
   std::unique_lock lock(mutex_);
   work_ = &work;
-  next_piece_ = 0;
-  pieces_ = pieces;
+  begin_ = 0;
+  end_ = pieces;
   unfinished_ = pieces;
   failure_ = nullptr;
   if (pieces > 1 && !helpers_.empty()) has_work_.notify_all();
-  take_pieces(lock);
+  take_pieces(End::first, lock);
   is_done_.wait(lock, [this] { return unfinished_ == 0; });
   work_ = nullptr;
   if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
@@ -28,12 +28,14 @@ void BandWorkers::share(int pieces, const std::function<void(int)>& work) {
 
 void BandWorkers::help(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  while (has_work_.wait(lock, stop, [this] { return next_piece_ < pieces_; })) take_pieces(lock);
+  while (has_work_.wait(lock, stop, [this] { return begin_ < end_; })) {
+    take_pieces(End::last, lock);
+  }
 }
 
-void BandWorkers::take_pieces(std::unique_lock<std::mutex>& lock) {
-  while (next_piece_ < pieces_) {
-    const int piece = next_piece_++;
+void BandWorkers::take_pieces(End end, std::unique_lock<std::mutex>& lock) {
+  while (begin_ < end_) {
+    const int piece = end == End::first ? begin_++ : --end_;
     const auto& work = *work_;
     std::exception_ptr failure;
     lock.unlock();

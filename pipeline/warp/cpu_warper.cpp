@@ -1,7 +1,6 @@
 #include <algorithm>
-#include <array>
-#include <latch>
 #include <memory>
+#include <mutex>
 #include <optional>
 #include <string>
 #include <thread>
@@ -26,18 +25,6 @@ int chosen_threads(std::optional<int> threads) {
   const int cores = static_cast<int>(std::thread::hardware_concurrency());
   return std::max(1, threads.value_or(std::min(cores, kMostThreads)));
 }
-
-/// Also when what is counted fails: nobody waits for ever.
-class CountDown {
- public:
-  explicit CountDown(std::latch& latch) : latch_(latch) {}
-  CountDown(const CountDown&) = delete;
-  CountDown& operator=(const CountDown&) = delete;
-  ~CountDown() { latch_.count_down(); }
-
- private:
-  std::latch& latch_;
-};
 
 class CpuWarper final : public Warper {
  public:
@@ -68,19 +55,16 @@ class CpuWarper final : public Warper {
   }
 
  private:
-  /// Both planes are cut at the same time, by whoever is there first; then bands are drawn.
+  /// A plane is cut by whoever draws its first band.
   void draw() {
-    const std::array<PlaneDrawing*, 2> planes = {&luma_, &chroma_};
-    constexpr int kPlanes = planes.size();
-    std::latch are_cut(kPlanes);
-    workers_.share(kPlanes + luma_.bands() + chroma_.bands(), [&](int piece) {
-      if (piece < kPlanes) {
-        const CountDown when_done(are_cut);
-        return planes[static_cast<std::size_t>(piece)]->cut();
+    std::once_flag luma_is_cut;
+    std::once_flag chroma_is_cut;
+    workers_.share(luma_.bands() + chroma_.bands(), [&](int band) {
+      if (band < luma_.bands()) {
+        std::call_once(luma_is_cut, [this] { luma_.cut(); });
+        return luma_.draw(band);
       }
-      are_cut.wait();
-      const int band = piece - kPlanes;
-      if (band < luma_.bands()) return luma_.draw(band);
+      std::call_once(chroma_is_cut, [this] { chroma_.cut(); });
       chroma_.draw(band - luma_.bands());
     });
   }
