@@ -100,7 +100,7 @@ Result<CameraFormat> format_of(CameraSource& camera) {
 
 /// Frames that wait for the path lie in the device's own buffers, as long as there are enough.
 CameraSettings with_room_for_latency(const Configuration& configuration) {
-  constexpr int kBesideThePath = 6;  // waiting for orientations, being drawn, being filled
+  constexpr int kBesideThePath = 7;  // waiting for orientations, being drawn (two), being filled
   constexpr int kMostBuffers = 32;
   CameraSettings camera = configuration.camera;
   const auto latency = static_cast<int>(configuration.stabilization.latency.value_or(0));
