@@ -49,19 +49,6 @@ void copy_rows(const VideoFrame& frame, const Nv12Buffer& memory) {
   end_writing(memory);
 }
 
-int largest_difference(const VideoFrame& a, const VideoFrame& b) {
-  int largest = 0;
-  for (int plane = 0; plane < 2; ++plane) {
-    const std::vector<std::uint8_t> bytes_a = plane_bytes(a, plane);
-    const std::vector<std::uint8_t> bytes_b = plane_bytes(b, plane);
-    EXPECT_EQ(bytes_a.size(), bytes_b.size());
-    for (std::size_t i = 0; i < bytes_a.size(); ++i) {
-      largest = std::max(largest, std::abs(bytes_a[i] - bytes_b[i]));
-    }
-  }
-  return largest;
-}
-
 /// Rows as cameras have them: as long as the picture, or padded, with a gap before the chroma.
 std::vector<PictureLayout> camera_layouts(ImageSize size) {
   const std::ptrdiff_t row = std::ptrdiff_t{2} * chroma_size(size).width;

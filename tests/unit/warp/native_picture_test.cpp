@@ -21,19 +21,6 @@ namespace {
 constexpr std::array kFormats = {NativeFormat::i420, NativeFormat::yuyv, NativeFormat::uyvy,
                                  NativeFormat::rgb, NativeFormat::bgr};
 
-int largest_difference(const VideoFrame& a, const VideoFrame& b) {
-  int largest = 0;
-  for (int plane = 0; plane < 2; ++plane) {
-    const std::vector<std::uint8_t> bytes_a = plane_bytes(a, plane);
-    const std::vector<std::uint8_t> bytes_b = plane_bytes(b, plane);
-    EXPECT_EQ(bytes_a.size(), bytes_b.size());
-    for (std::size_t i = 0; i < bytes_a.size(); ++i) {
-      largest = std::max(largest, std::abs(bytes_a[i] - bytes_b[i]));
-    }
-  }
-  return largest;
-}
-
 class NativePictures : public testing::TestWithParam<GlesVersion> {
  protected:
   [[nodiscard]] static std::unique_ptr<Warper> make(

@@ -25,19 +25,6 @@ class OnlyTarget {
   ~OnlyTarget() { hwy::SetSupportedTargetsForTest(0); }
 };
 
-/// The largest difference between two pictures of one size.
-int largest_difference(const VideoFrame& a, const VideoFrame& b) {
-  int largest = 0;
-  for (const int plane : {0, 1}) {
-    const std::vector<std::uint8_t> left = plane_bytes(a, plane);
-    const std::vector<std::uint8_t> right = plane_bytes(b, plane);
-    for (std::size_t i = 0; i < left.size(); ++i) {
-      largest = std::max(largest, std::abs(int{left[i]} - int{right[i]}));
-    }
-  }
-  return largest;
-}
-
 /// A turn by `roll_rad` and a magnification by `zoom` about the middle, with the lines sheared as a
 /// pan shears them.
 WarpMesh turned_mesh(ImageSize source, ImageSize output, Border border, double roll_rad,

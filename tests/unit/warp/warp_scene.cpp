@@ -1,7 +1,10 @@
 #include "tests/unit/warp/warp_scene.hpp"
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <numbers>
@@ -191,6 +194,19 @@ std::vector<std::uint8_t> plane_bytes(const VideoFrame& frame, int plane) {
     bytes.insert(bytes.end(), row, row + row_bytes);
   }
   return bytes;
+}
+
+int largest_difference(const VideoFrame& a, const VideoFrame& b) {
+  int largest = 0;
+  for (int plane = 0; plane < 2; ++plane) {
+    const std::vector<std::uint8_t> bytes_a = plane_bytes(a, plane);
+    const std::vector<std::uint8_t> bytes_b = plane_bytes(b, plane);
+    EXPECT_EQ(bytes_a.size(), bytes_b.size());
+    for (std::size_t i = 0; i < bytes_a.size(); ++i) {
+      largest = std::max(largest, std::abs(bytes_a[i] - bytes_b[i]));
+    }
+  }
+  return largest;
 }
 
 }  // namespace gimbal::warp_scene

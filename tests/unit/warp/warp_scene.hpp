@@ -48,4 +48,7 @@ enum class View : std::uint8_t {
 /// Bytes of one plane, row by row, without padding.
 [[nodiscard]] std::vector<std::uint8_t> plane_bytes(const VideoFrame& frame, int plane);
 
+/// In levels, of all bytes of two pictures of the same size.
+[[nodiscard]] int largest_difference(const VideoFrame& a, const VideoFrame& b);
+
 }  // namespace gimbal::warp_scene
